@@ -208,6 +208,33 @@ void negatives(const std::vector<Subject>& all, int images, calvin::ImageSize si
   std::fflush(stdout);
 }
 
+// The same pictures, looked at by ours for boards of other kinds: each beside the checkerboard.
+void negatives_of_kinds(int images, calvin::ImageSize size) {
+  std::vector<Subject> all;
+  for (const char* text : {"checkerboard:9x6:25mm", "puzzle:14x9:20mm", "aprilgrid:6x6:88mm:0.3",
+                           "aruco:6x5:60mm:15mm:DICT_6X6_250", "circles:7x5:30mm"}) {
+    const auto board = calvin::parse_board(text);
+    if (!board) continue;  // a build without dictionaries
+    all.emplace_back(std::string(text).substr(0, 20),
+                     [own = *board](const cv::Mat& image, const calvin::Board&) {
+                       return by_calvin(image, own);
+                     });
+  }
+  std::vector<std::vector<double>> ms(all.size());
+  std::vector<int> found(all.size());
+  const auto board = calvin::parse_board("checkerboard:9x6:25mm").value();
+  for (int i = 0; i < images; ++i) {
+    const cv::Mat image = make_negative(size, static_cast<std::uint64_t>(i));
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const Found f = all[k].look(image, board);
+      ms[k].push_back(f.ms);
+      found[k] += f.observation.found();
+    }
+  }
+  print_times("without any board", all, ms, found);
+  std::fflush(stdout);
+}
+
 // A board that a hand moves, 1280x720: each frame followed from the one before, and searched.
 void videos(int frames) {
   const auto board = calvin::parse_board("checkerboard:9x6:25mm").value();
@@ -329,6 +356,7 @@ int main(int argc, char** argv) {
   }
   bench::print_times("with a board", all, ms, found);
   bench::negatives(all, negatives, size);
+  bench::negatives_of_kinds(negatives, size);
   if (const char* data = std::getenv("CALVIN_DATA")) bench::real_sets(all, data);
   return 0;
 }

@@ -4,7 +4,9 @@
 // Grids of square tags beside OpenCV's detector of ArUco markers: no fewer corners, and nearer to
 // the truth; several grids at once, and parts of them; photographs.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
@@ -15,6 +17,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calvin/detect/detector.hpp"
+#include "calvin/detect/tags/code_index.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/target/kinds.hpp"
@@ -54,6 +57,46 @@ struct Score {
   }
   [[nodiscard]] double rms() const { return std::sqrt(square / std::max(corners, 1)); }
 };
+
+// As by looking at all codes in all turns: codes with some wrong bits, and any bits.
+TEST_F(Tags, HaveTheNearestOfAllCodes) {
+  for (const char* name : {"DICT_4X4_50", "DICT_6X6_250", "DICT_ARUCO_ORIGINAL"}) {
+    const MarkerDictionary& dictionary = *find_dictionary(name);
+    const int bits = dictionary.side * dictionary.side;
+    constexpr int kMostWrong = 3;
+    const detect::CodeIndex index(dictionary, kMostWrong);
+    scenes::Random random(5);
+    int known = 0;
+    for (int n = 0; n < 400; ++n) {
+      std::uint64_t code = random() & ((std::uint64_t{1} << bits) - 1);
+      if (n % 4 != 0) {
+        code = dictionary.codes[random() % dictionary.codes.size()];
+        for (int turns = 0; turns < n % 4; ++turns) code = detect::turned(code, dictionary.side);
+        for (int wrong = 0; wrong < n % 6; ++wrong) code ^= std::uint64_t{1} << random() % bits;
+      }
+      int least = bits;
+      std::uint64_t turned = code;
+      for (int turns = 0; turns < 4; ++turns) {
+        for (const std::uint64_t own : dictionary.codes) {
+          least = std::min(least, std::popcount(turned ^ own));
+        }
+        turned = detect::turned(turned, dictionary.side);
+      }
+      const auto found = index.nearest(code);
+      ASSERT_EQ(found.has_value(), least <= kMostWrong) << name << ' ' << n;
+      if (!found) continue;
+      ++known;
+      EXPECT_EQ(found->wrong, least);
+      // Turned back by as many quarters it is the code that was named.
+      for (int turns = found->turns; turns % 4 != 0; ++turns) {
+        code = detect::turned(code, dictionary.side);
+      }
+      EXPECT_EQ(std::popcount(code ^ dictionary.codes[static_cast<std::size_t>(found->id)]), least)
+          << name << ' ' << n;
+    }
+    EXPECT_GE(known, 150) << name;
+  }
+}
 
 TEST_F(Tags, AreFoundAsOftenAsByOpenCvAndNearerToTheTruth) {
   const bool full = scenes::full_count();

@@ -63,20 +63,46 @@ void blob_row(const std::uint8_t* at, std::ptrdiff_t stride, bool light, std::ui
   (light ? blob_row_of<true> : blob_row_of<false>)(at, stride, out, count);
 }
 
-// The first number from `from` on that is at least `threshold`; `count` where there is none.
-std::size_t next_above(const std::uint8_t* row, std::size_t from, std::size_t count,
-                       std::uint8_t threshold) {
-  const hn::ScalableTag<std::uint8_t> d;
-  const std::size_t lanes = hn::Lanes(d);
-  const auto least = hn::Set(d, threshold);
-  std::size_t i = from;
-  for (; i + lanes <= count; i += lanes) {
-    const auto v = hn::LoadU(d, row + i);
-    const std::ptrdiff_t at = hn::FindFirstTrue(d, hn::Eq(hn::Max(v, least), v));
-    if (at >= 0) return i + static_cast<std::size_t>(at);
+// Which responses are at least `threshold` and no less than what is around them; of
+// equal ones the first.
+template <class D>
+HWY_INLINE hn::Mask<D> peaks_at(D d, const std::uint8_t* at, std::ptrdiff_t width,
+                                hn::Vec<D> least) {
+  const auto own = hn::LoadU(d, at);
+  const auto is_strong = hn::Eq(hn::Max(own, least), own);
+  if (hn::AllFalse(d, is_strong)) return is_strong;
+  auto before = hn::Zero(d);
+  auto after = hn::Zero(d);
+  for (std::ptrdiff_t dx = -2; dx <= 2; ++dx) {
+    for (std::ptrdiff_t dy = 1; dy <= 2; ++dy) {
+      before = hn::Max(before, hn::LoadU(d, at - dy * width + dx));
+      after = hn::Max(after, hn::LoadU(d, at + dy * width + dx));
+    }
+    if (dx < 0) before = hn::Max(before, hn::LoadU(d, at + dx));
+    if (dx > 0) after = hn::Max(after, hn::LoadU(d, at + dx));
   }
-  while (i < count && row[i] < threshold) ++i;
-  return i;
+  // More than those before it, which are less than 255 where there is a threshold.
+  const auto is_first = hn::Not(hn::Eq(hn::Max(before, own), before));
+  return hn::And(is_strong, hn::And(is_first, hn::Eq(hn::Max(after, own), own)));
+}
+
+// Sets all bits at the peaks of a row, which has two rows above and below it, and none at the
+// others. 0 where there is no peak.
+std::size_t peaks_of_row(const std::uint8_t* row, std::ptrdiff_t width, std::uint8_t threshold,
+                         std::uint8_t* is_peak, std::size_t count) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const hn::CappedTag<std::uint8_t, 1> one;
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t peaks = 0;
+  std::size_t i = 0;
+  const auto mark = [&](auto tag) {
+    const auto found = peaks_at(tag, row + i, width, hn::Set(tag, threshold));
+    hn::StoreU(hn::VecFromMask(tag, found), tag, is_peak + i);
+    peaks += hn::AllFalse(tag, found) ? 0 : 1;
+  };
+  for (; i + lanes <= count; i += lanes) mark(d);
+  for (; i < count; ++i) mark(one);
+  return peaks;
 }
 
 }  // namespace calvin::detect::HWY_NAMESPACE
@@ -91,19 +117,7 @@ namespace calvin::detect {
 namespace {
 
 HWY_EXPORT(blob_row);
-HWY_EXPORT(next_above);
-
-// Whether the response at a place is no less than what is around it; of equal ones the first.
-bool is_peak(const std::uint8_t* at, std::ptrdiff_t width) {
-  for (std::ptrdiff_t dy = -2; dy <= 2; ++dy) {
-    for (std::ptrdiff_t dx = -2; dx <= 2; ++dx) {
-      const std::uint8_t other = at[dy * width + dx];
-      const bool earlier = dy < 0 || (dy == 0 && dx < 0);
-      if (other > *at || (other == *at && earlier)) return false;
-    }
-  }
-  return true;
-}
+HWY_EXPORT(peaks_of_row);
 
 }  // namespace
 
@@ -119,12 +133,18 @@ const std::vector<BlobPoint>& BlobSearch::find(const ImageView& image, bool ligh
     (image.data + y * image.stride + kBlobReach, image.stride, light,
      response_.data() + static_cast<std::size_t>(y) * width + kBlobReach, count);
   }
+  is_peak_.resize(count);
   for (int y = kBlobReach; y < image.height - kBlobReach; ++y) {
-    const std::uint8_t* row = response_.data() + static_cast<std::size_t>(y) * width;
-    for (std::size_t x = kBlobReach;; ++x) {
-      x = HWY_DYNAMIC_DISPATCH(next_above)(row, x, width - kBlobReach, threshold);
-      if (x >= width - kBlobReach) break;
-      if (is_peak(row + x, image.width)) points_.push_back({static_cast<int>(x), y, row[x]});
+    const std::uint8_t* row = response_.data() + static_cast<std::size_t>(y) * width + kBlobReach;
+    if (HWY_DYNAMIC_DISPATCH(peaks_of_row)(row, image.width, threshold, is_peak_.data(), count) ==
+        0) {
+      continue;
+    }
+    const auto end = is_peak_.end();
+    for (auto at = std::find(is_peak_.begin(), end, 0xff); at != end;
+         at = std::find(at + 1, end, 0xff)) {
+      const auto x = at - is_peak_.begin();
+      points_.push_back({static_cast<int>(x) + kBlobReach, y, row[x]});
     }
   }
   if (points_.size() > most) {

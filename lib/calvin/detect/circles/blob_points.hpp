@@ -29,6 +29,7 @@ class BlobSearch {
 
  private:
   std::vector<std::uint8_t> response_;
+  std::vector<std::uint8_t> is_peak_;  // of a row
   std::vector<BlobPoint> points_;
 };
 

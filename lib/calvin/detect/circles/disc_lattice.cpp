@@ -178,12 +178,10 @@ std::optional<DiscGraph::Seed> DiscGraph::seed_at(std::size_t disc) const {
   std::optional<std::size_t> next;
   double least = kFarthest * kFarthest;
   for_each_near(e.x, e.y, kFarthest * std::sqrt(e.longest_square()), [&](std::size_t i) {
-    if (i == disc || !are_alike(discs_[i], e)) return;
     const double square = e.square_distance_of(discs_[i]);
-    if (square < least && square > kNearest * kNearest) {
-      least = square;
-      next = i;
-    }
+    if (!(square < least && square > kNearest * kNearest) || !are_alike(discs_[i], e)) return;
+    least = square;
+    next = i;
   });
   if (!next) return std::nullopt;
   // A quarter turn in the plane of the board: J R J^-1 with J J^T = [xx xy; xy yy] is, for any J,

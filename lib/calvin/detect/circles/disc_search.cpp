@@ -7,21 +7,19 @@
 
 #include <cstdint>
 
-#include "calvin/detect/circles/blob_shape.hpp"
-
 namespace calvin::detect {
 
 void DiscSearch::add(Pyramid& pyramid, int level, bool light, std::vector<Ellipse>& discs) {
   constexpr std::uint8_t kThreshold = 6;  // grey levels
-  constexpr double kReach = 10;           // px
   const ImageView& image = pyramid.calm_level(level);
   const double scale = 1 << level;
   const auto up = [level](double v) {
     return static_cast<double>(Pyramid::to_image(static_cast<float>(v), level));
   };
   known_.begin(discs);
+  shapes_.begin(image, light);
   for (const BlobPoint& p : blob_search_.find(image, light, kThreshold, most_)) {
-    const auto found = measure_blob(image, p.x, p.y, light, kReach, kThreshold);
+    const auto found = shapes_.measure(p.x, p.y, kThreshold);
     if (!found) continue;
     Ellipse e = *found;
     e.x = up(e.x);

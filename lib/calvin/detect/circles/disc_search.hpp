@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calvin/detect/circles/blob_points.hpp"
+#include "calvin/detect/circles/blob_shape.hpp"
 #include "calvin/detect/circles/ellipse.hpp"
 #include "calvin/detect/pyramid.hpp"
 
@@ -58,6 +59,7 @@ class DiscSearch {
  private:
   std::size_t most_;
   BlobSearch blob_search_;
+  BlobShapes shapes_;
   KnownDiscs known_;
 };
 

@@ -71,6 +71,29 @@ bool is_there(const ImageView& image, const Ellipse& expected) {
   return alike > kSamples / 2;
 }
 
+// Whether one of so many discs of a lattice is as round as a disc, in the median of those of which
+// a rim is seen; where discs are large and clear these are not just a few. It costs less than fits.
+bool may_have_rims(const ImageView& image, const DiscLattice& lattice, std::size_t one_of) {
+  constexpr std::size_t kFewest = 5;
+  constexpr double kMostSquare = 0.09;  // of the radius
+  constexpr double kLarge = 5;          // px
+  constexpr float kClear = 50;          // grey levels
+  const std::vector<Cell> cells = lattice.cells();
+  std::vector<double> squareness;
+  std::size_t clear = 0;
+  std::size_t clear_with_rim = 0;
+  for (std::size_t i = one_of / 2; i < cells.size(); i += one_of) {
+    const Ellipse& e = *lattice.at(cells[i]);
+    const auto one = rim_squareness(image, e);
+    if (one) squareness.push_back(*one);
+    if (e.radius() < kLarge || std::abs(e.outside - e.inside) < kClear) continue;
+    ++clear;
+    clear_with_rim += one ? 1 : 0;
+  }
+  if (clear >= kFewest && 3 * clear_with_rim < clear) return false;
+  return squareness.size() < kFewest || median_of(std::move(squareness)) <= kMostSquare;
+}
+
 // How far the rim leaves the ellipse four times around, px: a square's corners do by .14 radii, as
 // far as the blur lets it be seen. Measured by the disc itself, a square seen at any angle is one.
 double fourth_harmonic(const ImageView& image, const DiscFit& fit) {
@@ -256,6 +279,7 @@ bool DiscSheet::may_be_discs(const ImageView& image, const DiscLattice& lattice)
   constexpr std::size_t kSome = 12;
   constexpr double kMost = 1.5;  // some alone are not as sure as all
   const std::vector<Cell> cells = lattice.cells();
+  if (!may_have_rims(image, lattice, std::max<std::size_t>(cells.size() / kSome, 1))) return false;
   if (cells.size() < 2 * kSome) return true;
   DiscSheet some;
   some.lattice_ = lattice;

@@ -6,6 +6,9 @@
 #include "calvin/detect/tags/local_threshold.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 
 namespace calvin::detect {
 
@@ -23,8 +26,8 @@ void ToneImage::take_tiles(const ImageView& image) {
   least_.resize(cols * static_cast<std::size_t>(tile_rows_));
   most_.resize(least_.size());
   // Of the columns of a row of tiles; beyond the image as the last one.
-  row_least_.resize(cols * kTile);
-  row_most_.resize(cols * kTile);
+  row_least_.resize(cols * kTile + 2);
+  row_most_.resize(cols * kTile + 2);
   const auto width = static_cast<std::size_t>(width_);
   for (int tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const int first = tile_row * kTile;
@@ -60,34 +63,58 @@ void ToneImage::take_thresholds(int tile_row, int contrast) {
   const std::size_t above = at(std::max(tile_row - 1, 0));
   const std::size_t own = at(tile_row);
   const std::size_t below = at(std::min(tile_row + 1, tile_rows_ - 1));
-  std::uint8_t* low = row_least_.data();
-  std::uint8_t* high = row_most_.data();
+  // With one more at both ends, as the ones beside them.
+  std::uint8_t* low = row_least_.data() + 1;
+  std::uint8_t* high = row_most_.data() + 1;
+  const std::uint8_t* least = least_.data();
+  const std::uint8_t* most = most_.data();
   for (std::size_t col = 0; col < cols; ++col) {
-    low[col] = std::min(std::min(least_[above + col], least_[own + col]), least_[below + col]);
-    high[col] = std::max(std::max(most_[above + col], most_[own + col]), most_[below + col]);
+    low[col] = std::min(std::min(least[above + col], least[own + col]), least[below + col]);
+    high[col] = std::max(std::max(most[above + col], most[own + col]), most[below + col]);
   }
+  for (std::uint8_t* ends : {low, high}) {
+    ends[-1] = ends[0];
+    ends[cols] = ends[cols - 1];
+  }
+  std::uint8_t* middles = tile_middle_.data();
+  std::uint8_t* seen = tile_seen_.data();
   for (std::size_t col = 0; col < cols; ++col) {
-    const std::size_t before = col > 0 ? col - 1 : col;
-    const std::size_t after = std::min(col + 1, cols - 1);
-    const int least = std::min(std::min(low[before], low[col]), low[after]);
-    const int most = std::max(std::max(high[before], high[col]), high[after]);
-    const bool is_plain = most - least < contrast;
-    for (std::size_t k = col * kTile; k < (col + 1) * kTile; ++k) {
-      middle_[k] = static_cast<std::uint8_t>((least + most) / 2);
-      seen_[k] = is_plain ? 0 : 0xff;
+    const std::uint8_t dark = std::min(std::min(*(low + col - 1), low[col]), low[col + 1]);
+    const std::uint8_t light = std::max(std::max(*(high + col - 1), high[col]), high[col + 1]);
+    middles[col] = static_cast<std::uint8_t>((dark + light) / 2);
+    seen[col] = light - dark < contrast ? 0 : 0xff;
+  }
+  // The same for all pixels of a tile, which are four.
+  static_assert(kTile == sizeof(std::uint32_t));
+  const auto spread = [cols](const std::uint8_t* tiles, std::uint8_t* pixels) {
+    for (std::size_t col = 0; col < cols; ++col) {
+      const std::uint32_t four = 0x01010101U * tiles[col];
+      std::memcpy(pixels + col * kTile, &four, kTile);
     }
-  }
+  };
+  spread(middles, middle_.data());
+  spread(seen, seen_.data());
 }
 
 void ToneImage::take(const ImageView& image, int contrast) {
   width_ = image.width;
   height_ = image.height;
-  tones_.assign(static_cast<std::size_t>(width_ + 2) * static_cast<std::size_t>(height_ + 2),
-                kNoTone);
+  // Each pixel gets its tone; only the rim is none's.
+  const auto stride = static_cast<std::size_t>(width_) + 2;
+  const auto rows = static_cast<std::size_t>(height_) + 2;
+  tones_.resize(stride * rows);
+  std::fill_n(tones_.begin(), stride, kNoTone);
+  std::fill_n(tones_.end() - static_cast<std::ptrdiff_t>(stride), stride, kNoTone);
+  for (std::size_t row = 1; row + 1 < rows; ++row) {
+    tones_[row * stride] = kNoTone;
+    tones_[(row + 1) * stride - 1] = kNoTone;
+  }
   if (width_ <= 0 || height_ <= 0) return;
   take_tiles(image);
   middle_.resize(static_cast<std::size_t>(tile_cols_ * kTile));
   seen_.resize(middle_.size());
+  tile_middle_.resize(static_cast<std::size_t>(tile_cols_));
+  tile_seen_.resize(tile_middle_.size());
   const auto width = static_cast<std::size_t>(width_);
   for (int tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     take_thresholds(tile_row, contrast);

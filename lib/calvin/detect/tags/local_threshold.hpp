@@ -25,6 +25,8 @@ class ToneImage {
 
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
+  // Pixels from a row to the next one.
+  [[nodiscard]] int stride() const noexcept { return width_ + 2; }
   // From -1 to the width and to the height.
   [[nodiscard]] std::uint8_t& at(int x, int y) { return tones_[index(x, y)]; }
   [[nodiscard]] const std::uint8_t* row(int y) const { return tones_.data() + index(0, y); }
@@ -47,6 +49,8 @@ class ToneImage {
   std::vector<std::uint8_t> most_;
   std::vector<std::uint8_t> row_least_;  // of a column of a row of tiles
   std::vector<std::uint8_t> row_most_;
+  std::vector<std::uint8_t> tile_middle_;  // of a row of tiles, as those of pixels
+  std::vector<std::uint8_t> tile_seen_;
   std::vector<std::uint8_t> middle_;  // grey level, of each column
   std::vector<std::uint8_t> seen_;    // all bits where there is contrast, else none
 };

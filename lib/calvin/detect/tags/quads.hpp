@@ -4,6 +4,8 @@
 // Regions of one tone that have four straight sides: where tags may be.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -11,6 +13,12 @@
 #include "calvin/detect/tags/point.hpp"
 
 namespace calvin::detect {
+
+// The middle of a side of a pixel, in half px.
+struct EdgePoint {
+  int x = 0;
+  int y = 0;
+};
 
 // Keeps its memory.
 class QuadSearch {
@@ -28,7 +36,8 @@ class QuadSearch {
   [[nodiscard]] bool follow(int x, int y, Tone tone);
 
   ToneImage tones_;
-  std::vector<Point> edge_;           // px, the middle of each side of a pixel that the edge has
+  std::vector<EdgePoint> points_;
+  std::span<const EdgePoint> edge_;   // of each side of a pixel that it has
   std::vector<std::uint8_t> begins_;  // 1 where an edge may begin, of a row
   std::vector<Quad> quads_;
 };

@@ -6,11 +6,14 @@
 #include "calvin/detect/tags/tag_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
 #include <utility>
-#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -21,19 +24,6 @@ namespace calvin::detect {
 namespace {
 
 constexpr double kLeastContrast = 8;  // grey levels, from dark to light
-
-// The bits of a tag that is turned by a quarter: the first row becomes the last column.
-std::uint64_t turned(std::uint64_t bits, int side) {
-  std::uint64_t all = 0;
-  for (int row = 0; row < side; ++row) {
-    for (int col = 0; col < side; ++col) {
-      // The new bit at (col, row) was at (row, side - 1 - col).
-      const int from = side * side - 1 - ((side - 1 - col) * side + row);
-      all = all << 1 | (bits >> from & 1);
-    }
-  }
-  return all;
-}
 
 // The number of bits of which two tags of a dictionary differ at least, however they are turned,
 // and a tag from itself where it is turned.
@@ -51,21 +41,41 @@ int distance_of(const MarkerDictionary& dictionary) {
   return least;
 }
 
-// A grey level that changes over a quad: at the place (x, y) in cells, a + b x + c y.
+// A grey level that changes over a quad: at the place (x, y) in cells from its middle, a + b x + c
+// y.
 class Plane {
  public:
   void add(double x, double y, double grey) {
-    const Eigen::Vector3d row(1, x, y);
-    products_ += row * row.transpose();
-    right_ += grey * row;
+    count_ += 1;
+    x_ += x;
+    y_ += y;
+    xx_ += x * x;
+    xy_ += x * y;
+    yy_ += y * y;
+    right_ += grey * Eigen::Vector3d(1, x, y);
   }
-  void fit() { levels_ = products_.ldlt().solve(right_); }
+  void fit() {
+    // Of places all around the middle each sum tells one number.
+    constexpr double kNone = 1e-9;
+    if (std::max({std::abs(x_), std::abs(y_), std::abs(xy_)}) < kNone) {
+      levels_ = {right_[0] / count_, right_[1] / xx_, right_[2] / yy_};
+      return;
+    }
+    Eigen::Matrix3d products;
+    products << count_, x_, y_, x_, xx_, xy_, y_, xy_, yy_;
+    levels_ = products.ldlt().solve(right_);
+  }
   [[nodiscard]] double at(double x, double y) const {
     return levels_[0] + levels_[1] * x + levels_[2] * y;
   }
 
  private:
-  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();
+  double count_ = 0;
+  double x_ = 0;
+  double y_ = 0;
+  double xx_ = 0;
+  double xy_ = 0;
+  double yy_ = 0;
   Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d levels_ = Eigen::Vector3d::Zero();
 };
@@ -78,12 +88,20 @@ class TagReader::Cells {
   Cells(const ImageView& image, const Quad& quad, const TagReader& reader)
       : image_(image),
         side_(reader.style_.cells()),
+        middle_(0.5 * side_),
         border_(reader.style_.border),
         inverted_(reader.style_.inverted),
         map_(from_cells(quad, side_)),
-        spread_(shortest_side(quad) / side_ > 2 ? 0.2 : 0) {
-    take_levels(reader.around_);
-  }
+        spread_(shortest_side(quad) / side_ > 2 ? 0.2 : 0),
+        around_(reader.around_),
+        is_inside_(is_inside(around_)) {}
+
+  // Whether what the border is around is as dark as the border everywhere: fewer places are looked
+  // at than for the bits. Only tags wholly in the image are told.
+  [[nodiscard]] bool are_plain() const;
+
+  // Comes before what follows.
+  void take_levels();
 
   // Whether there is a border, darker than what is around it.
   [[nodiscard]] bool are_tags(double most_wrong) const {
@@ -98,36 +116,66 @@ class TagReader::Cells {
   [[nodiscard]] std::optional<double> lightness(int col, int row) const {
     const double x = col + 0.5;
     const double y = row + 0.5;
-    const auto grey = mean_at(x, y);
-    if (!grey) return std::nullopt;
-    return lightness(x, y, *grey);
+    const double grey = is_border(col, row) ? border_greys_[index(col, row)] : mean_at(x, y);
+    if (std::isnan(grey)) return std::nullopt;
+    return lightness(x, y, grey);
   }
 
  private:
-  [[nodiscard]] double lightness(double x, double y, double grey) const {
-    const double dark = dark_.at(x, y);
-    const double contrast = light_.at(x, y) - dark;
-    return (grey - dark) / (inverted_ ? std::min(contrast, -1.0) : std::max(contrast, 1.0));
+  static constexpr int kMostCells = 12;  // along a side: the bits of a code are 64, a border is two
+
+  [[nodiscard]] static std::size_t index(int col, int row) {
+    return static_cast<std::size_t>(row * kMostCells + col);
   }
-  [[nodiscard]] std::optional<double> grey_in(double x, double y) const {
-    const Eigen::Vector3d p = map_ * Eigen::Vector3d(x, y, 1);
-    const auto grey =
-        grey_at(image_, static_cast<float>(p.x() / p.z()), static_cast<float>(p.y() / p.z()));
-    if (!grey) return std::nullopt;
-    return static_cast<double>(*grey);
+  [[nodiscard]] bool is_border(int col, int row) const {
+    return std::min({col, row, side_ - 1 - col, side_ - 1 - row}) < border_;
   }
-  // Of four places about the middle of a cell, where a cell has more than a few pixels.
-  [[nodiscard]] std::optional<double> mean_at(double x, double y) const {
-    if (spread_ == 0) return grey_in(x, y);
-    double sum = 0;
-    for (const double dx : {-spread_, spread_}) {
-      for (const double dy : {-spread_, spread_}) {
-        const auto grey = grey_in(x + dx, y + dy);
-        if (!grey) return std::nullopt;
-        sum += 0.25 * *grey;
+  // Whether all that is looked at is in the image, with a pixel around it: an image of a convex
+  // region lies between those of its corners.
+  [[nodiscard]] bool is_inside(double around) const {
+    const double least = -std::max(around, 0.0);
+    const double most = side_ - least;
+    for (const auto& [x, y] :
+         {std::pair{least, least}, {most, least}, {most, most}, {least, most}}) {
+      const Eigen::Vector3d p = map_ * Eigen::Vector3d(x, y, 1);
+      if (!(p.z() > 0 && p.x() >= p.z() && p.y() >= p.z() && p.x() <= p.z() * (image_.width - 3) &&
+            p.y() <= p.z() * (image_.height - 3))) {
+        return false;
       }
     }
-    return sum;
+    return true;
+  }
+  [[nodiscard]] double lightness(double x, double y, double grey) const {
+    const double dark = dark_.at(x - middle_, y - middle_);
+    const double contrast = light_.at(x - middle_, y - middle_) - dark;
+    return (grey - dark) / (inverted_ ? std::min(contrast, -1.0) : std::max(contrast, 1.0));
+  }
+  // No number outside of the image.
+  [[nodiscard]] double grey_in(double x, double y) const {
+    const double scale = 1 / (map_(2, 0) * x + map_(2, 1) * y + map_(2, 2));
+    const auto u = static_cast<float>(scale * (map_(0, 0) * x + map_(0, 1) * y + map_(0, 2)));
+    const auto v = static_cast<float>(scale * (map_(1, 0) * x + map_(1, 1) * y + map_(1, 2)));
+    if (!is_inside_) {
+      const auto grey = grey_at(image_, u, v);
+      return grey ? static_cast<double>(*grey) : std::numeric_limits<double>::quiet_NaN();
+    }
+    const int col = static_cast<int>(u);
+    const int row = static_cast<int>(v);
+    const float right = u - static_cast<float>(col);
+    const float down = v - static_cast<float>(row);
+    const std::uint8_t* upper = image_.data + row * image_.stride + col;
+    const std::uint8_t* lower = upper + image_.stride;
+    const auto between = [](const std::uint8_t* p, float share) {
+      return static_cast<float>(p[0]) + share * static_cast<float>(p[1] - p[0]);
+    };
+    const float above = between(upper, right);
+    return static_cast<double>(above + down * (between(lower, right) - above));
+  }
+  // Of four places about the middle of a cell, where a cell has more than a few pixels.
+  [[nodiscard]] double mean_at(double x, double y) const {
+    if (spread_ == 0) return grey_in(x, y);
+    return 0.25 * (grey_in(x - spread_, y - spread_) + grey_in(x + spread_, y - spread_) +
+                   grey_in(x - spread_, y + spread_) + grey_in(x + spread_, y + spread_));
   }
 
   struct Sample {
@@ -135,16 +183,30 @@ class TagReader::Cells {
     double y;
     double grey;
   };
-  void take_levels(double around);
+  // Those that are in the image.
+  struct Samples {
+    std::array<Sample, 8 * kMostCells> all;
+    int count = 0;
+    void add(double x, double y, double grey) {
+      if (!std::isnan(grey)) all[static_cast<std::size_t>(count++)] = {x, y, grey};
+    }
+    [[nodiscard]] std::span<const Sample> seen() const {
+      return std::span(all).first(static_cast<std::size_t>(count));
+    }
+  };
 
   const ImageView& image_;
   int side_;
+  double middle_;  // cells
   int border_;
   bool inverted_;
   Eigen::Matrix3d map_;
   double spread_;  // cells
-  Plane dark_;     // of the border
-  Plane light_;    // of what is around it
+  double around_;  // cells
+  bool is_inside_;
+  std::array<double, static_cast<std::size_t>(kMostCells* kMostCells)> border_greys_;
+  Plane dark_;   // of the border
+  Plane light_;  // of what is around it
   double contrast_ = 0;
   int border_seen_ = 0;
   int border_wrong_ = 0;
@@ -152,56 +214,86 @@ class TagReader::Cells {
   int around_wrong_ = 0;
 };
 
-void TagReader::Cells::take_levels(double around) {
-  std::vector<Sample> border;
-  std::vector<Sample> outside;
+bool TagReader::Cells::are_plain() const {
+  constexpr double kMost =
+      0.25;  // of the contrast: twice that is no light bit when it is sharpened
+  if (!is_inside_) return false;
+  double dark = 0;
+  double light = 0;
+  for (const double along : {0.25 * side_, 0.75 * side_}) {
+    for (const auto& [depth, sum] : {std::pair{0.5, &dark}, {-around_, &light}}) {
+      const double far = side_ - depth;
+      *sum += (grey_in(along, depth) + grey_in(far, along) + grey_in(along, far) +
+               grey_in(depth, along)) /
+              8;
+    }
+  }
+  const double least = dark + kMost * (light - dark);
+  for (int row = border_; row < side_ - border_; ++row) {
+    for (int col = border_; col < side_ - border_; ++col) {
+      const double grey = grey_in(col + 0.5, row + 0.5);
+      if (inverted_ ? grey <= least : grey >= least) return false;
+    }
+  }
+  return true;
+}
+
+void TagReader::Cells::take_levels() {
+  Samples border;
+  Samples outside;
   for (int row = 0; row < side_; ++row) {
     for (int col = 0; col < side_; ++col) {
-      const bool is_bit = std::min({col, row, side_ - 1 - col, side_ - 1 - row}) >= border_;
-      const auto grey = is_bit ? std::nullopt : mean_at(col + 0.5, row + 0.5);
-      if (grey) border.push_back({col + 0.5, row + 0.5, *grey});
+      if (!is_border(col, row)) continue;
+      const double grey = mean_at(col + 0.5, row + 0.5);
+      border_greys_[index(col, row)] = grey;
+      border.add(col + 0.5, row + 0.5, grey);
     }
   }
   for (int i = 0; i < side_; ++i) {
     const double along = i + 0.5;
-    const double far = side_ + around;
+    const double far = side_ + around_;
     for (const auto& [x, y] :
-         {std::pair{along, -around}, {far, along}, {along, far}, {-around, along}}) {
-      if (const auto grey = grey_in(x, y)) outside.push_back({x, y, *grey});
+         {std::pair{along, -around_}, {far, along}, {along, far}, {-around_, along}}) {
+      outside.add(x, y, grey_in(x, y));
     }
   }
-  border_seen_ = static_cast<int>(border.size());
-  around_seen_ = static_cast<int>(outside.size());
+  border_seen_ = border.count;
+  around_seen_ = outside.count;
   if (2 * border_seen_ < side_ || 2 * around_seen_ < side_) return;
-  for (const Sample& s : border) dark_.add(s.x, s.y, s.grey);
-  for (const Sample& s : outside) light_.add(s.x, s.y, s.grey);
+  for (const Sample& s : border.seen()) dark_.add(s.x - middle_, s.y - middle_, s.grey);
+  for (const Sample& s : outside.seen()) light_.add(s.x - middle_, s.y - middle_, s.grey);
   dark_.fit();
   light_.fit();
-  const double middle = 0.5 * side_;
-  contrast_ = (light_.at(middle, middle) - dark_.at(middle, middle)) * (inverted_ ? -1 : 1);
+  contrast_ = (light_.at(0, 0) - dark_.at(0, 0)) * (inverted_ ? -1 : 1);
   const auto is_light = [&](const Sample& s) { return lightness(s.x, s.y, s.grey) > 0.5; };
-  border_wrong_ = static_cast<int>(std::ranges::count_if(border, is_light));
-  around_wrong_ = around_seen_ - static_cast<int>(std::ranges::count_if(outside, is_light));
+  border_wrong_ = static_cast<int>(std::ranges::count_if(border.seen(), is_light));
+  around_wrong_ = around_seen_ - static_cast<int>(std::ranges::count_if(outside.seen(), is_light));
 }
 
 TagReader::TagReader(const TagStyle& style, double gap)
     : TagReader(style, gap, std::max((distance_of(*style.dictionary) - 1) / 2, 0)) {}
 
 TagReader::TagReader(const TagStyle& style, double gap, int most_wrong)
-    : style_(style), gap_(gap * style.cells()), most_wrong_(most_wrong) {
+    : style_(style), gap_(gap * style.cells()), codes_(*style.dictionary, most_wrong) {
   // In the middle of a narrow gap: beyond it there may be another tag.
   constexpr double kMost = 0.7;  // cells
   around_ = std::min(kMost, 0.5 * gap_);
+  has_light_bits_ = std::ranges::all_of(style.dictionary->codes, [&](std::uint64_t code) {
+    return std::popcount(code) > most_wrong;
+  });
 }
 
 std::optional<TagBits> TagReader::bits_of(const ImageView& image, const Quad& quad) const {
   constexpr double kMostWrong = 0.1;  // of the cells of the border
-  const Cells cells(image, quad, *this);
+  Cells cells(image, quad, *this);
+  if (has_light_bits_ && cells.are_plain()) return std::nullopt;
+  cells.take_levels();
   if (!cells.are_tags(kMostWrong)) return std::nullopt;
   const int side = style_.dictionary->side;
   // The bits and the cells around them, but for those at the corners.
   const int around = side + 2;
-  std::vector<double> light(static_cast<std::size_t>(around * around));
+  constexpr std::size_t kMost = 10;  // a code has 64 bits
+  std::array<double, kMost * kMost> light;
   const auto at = [&](int col, int row) -> double& {
     return light[static_cast<std::size_t>((row + 1) * around + col + 1)];
   };
@@ -228,38 +320,12 @@ std::optional<TagBits> TagReader::bits_of(const ImageView& image, const Quad& qu
 }
 
 std::optional<TagCode> TagReader::find(const TagBits& bits) const {
-  const auto plain = nearest(bits.plain);
-  if (bits.plain == bits.sharpened) return plain;
-  const auto sharpened = nearest(bits.sharpened);
-  if (!plain || !sharpened) return plain ? plain : sharpened;
-  return sharpened->wrong < plain->wrong ? sharpened : plain;
-}
-
-namespace {
-
-// std::popcount() is a call of a function where the processor is any x86-64.
-int bits_in(std::uint64_t v) {
-  v -= v >> 1 & 0x5555555555555555U;
-  v = (v & 0x3333333333333333U) + (v >> 2 & 0x3333333333333333U);
-  v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fU;
-  return static_cast<int>(v * 0x0101010101010101U >> 56);
-}
-
-}  // namespace
-
-std::optional<TagCode> TagReader::nearest(std::uint64_t bits) const {
-  const int side = style_.dictionary->side;
-  TagCode best;
-  best.wrong = most_wrong_ + 1;
-  for (int turns = 0; turns < 4; ++turns) {
-    for (std::size_t id = 0; id < style_.dictionary->codes.size(); ++id) {
-      const int wrong = bits_in(bits ^ style_.dictionary->codes[id]);
-      if (wrong < best.wrong) best = {static_cast<int>(id), (4 - turns) % 4, wrong};
-    }
-    bits = turned(bits, side);
+  auto best = codes_.nearest(bits.plain);
+  if (bits.plain != bits.sharpened && !(best && best->wrong == 0)) {
+    const auto sharpened = codes_.nearest(bits.sharpened);
+    if (sharpened && (!best || sharpened->wrong < best->wrong)) best = sharpened;
   }
-  if (best.wrong > most_wrong_) return std::nullopt;
-  if (style_.april) best.turns = (best.turns + 2) % 4;
+  if (best && style_.april) best->turns = (best->turns + 2) % 4;
   return best;
 }
 
@@ -276,7 +342,8 @@ TagPattern TagReader::pattern_of(int id) const {
 
 TagMatch TagReader::match(const ImageView& image, const Quad& quad, const TagPattern& tag) const {
   TagMatch all;
-  const Cells cells(image, quad, *this);
+  Cells cells(image, quad, *this);
+  cells.take_levels();
   if (cells.contrast() < kLeastContrast) return all;
   const int last = tag.cells() - 1;
   for (int row = 0; row <= last; ++row) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "calvin/core/image.hpp"
+#include "calvin/detect/tags/code_index.hpp"
 #include "calvin/detect/tags/point.hpp"
 #include "calvin/detect/tags/tag_pattern.hpp"
 #include "calvin/detect/tags/tag_style.hpp"
@@ -18,13 +19,6 @@ namespace calvin::detect {
 struct TagBits {
   std::uint64_t plain = 0;
   std::uint64_t sharpened = 0;  // where each cell is compared with those beside it, too
-};
-
-// A tag as it was read.
-struct TagCode {
-  int id = 0;
-  int turns = 0;  // the upper left corner of the tag is the quad's corner of this number
-  int wrong = 0;  // bits that are not the tag's
 };
 
 // How the cells of a quad look beside those of a tag that should be there.
@@ -43,7 +37,7 @@ class TagReader {
   TagReader(const TagStyle& style, double gap, int most_wrong);
 
   // A quad that has the dark border of a tag, whatever its bits are, and light around it; absent
-  // for any other one.
+  // for any other one, and for one that is dark all over where no code is.
   [[nodiscard]] std::optional<TagBits> bits_of(const ImageView& image, const Quad& quad) const;
 
   // The tag with such bits; absent where they are nearer to none than errors that the dictionary
@@ -63,14 +57,13 @@ class TagReader {
   [[nodiscard]] const TagStyle& style() const { return style_; }
 
  private:
-  [[nodiscard]] std::optional<TagCode> nearest(std::uint64_t bits) const;
-
   class Cells;  // the grey levels of a quad
 
   TagStyle style_;
-  double gap_;      // cells, around a tag
-  double around_;   // where the light around a tag is looked at, in cells from its border
-  int most_wrong_;  // bits that the dictionary can bear
+  double gap_;     // cells, around a tag
+  double around_;  // where the light around a tag is looked at, in cells from its border
+  CodeIndex codes_;
+  bool has_light_bits_ = false;  // in each code more than those that may be wrong
 };
 
 }  // namespace calvin::detect

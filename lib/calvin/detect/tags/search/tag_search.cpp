@@ -61,7 +61,10 @@ void TagSearch::read(Pyramid& pyramid, int level, std::span<const Quad> quads,
 void TagSearch::read_quad(Pyramid& pyramid, int level, const Quad& quad) {
   // A level whose pixels are not much smaller than the bits of the tag.
   constexpr double kPixels = 3;  // of a bit
+  // Pixels as large as bits show none of them.
+  constexpr double kLeastBit = 1.2;  // px
   const double bit = shortest_side(quad) / style().cells();
+  if (bit < kLeastBit) return;
   const int fine = std::clamp(static_cast<int>(std::log2(std::max(bit / kPixels, 1.0))), 0,
                               pyramid.levels() - 1);
   Quad in_level = quad;
