@@ -42,7 +42,8 @@ struct OverlayTile {
   int height = 0;
   std::vector<std::uint8_t> pixels = {};
   // Where there are any, only the pixels in these are held, one span after another, from the top
-  // and from the left; all others are transparent.
+  // and from the left; all others are transparent, and
+  // `pixels` may be longer than it needs to be.
   std::vector<TileSpan> spans = {};
   // Another one for each drawing: what is made of the tile may be kept by it. 0 where nothing may.
   std::uint64_t serial = 0;

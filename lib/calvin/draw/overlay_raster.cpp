@@ -219,7 +219,8 @@ void OverlayRaster::paint_tile(const OverlayBox& box) {
   planes_.take_painted(tile.spans);
   if (tile.spans.empty()) tile.spans.emplace_back();  // it would hold all pixels otherwise
   const TileSpan& last = tile.spans.back();
-  tile.pixels.resize(4 * (last.at + static_cast<std::size_t>(last.count)));
+  const std::size_t bytes = 4 * (last.at + static_cast<std::size_t>(last.count));
+  if (tile.pixels.size() < bytes) tile.pixels.resize(bytes);
   merge_planes(planes_, tile.spans, tile.pixels.data());
   next.shapes = within_;
   tiles_.push_back(std::move(tile));

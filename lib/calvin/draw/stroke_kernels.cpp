@@ -254,7 +254,7 @@ void paint_box(const InkedBox& box, const Ink& ink, TilePlanes& planes) {
   }
 }
 
-void merge_block(const Block& block, std::uint8_t* argb) {
+HWY_INLINE void merge_block(const Block& block, std::uint8_t* argb) {
   const auto take = [](std::uint8_t* at) {
     const hn::Rebind<std::uint8_t, Wide> bytes;
     const auto value = hn::LoadU(bytes, at);
