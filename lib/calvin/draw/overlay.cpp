@@ -266,7 +266,7 @@ OverlayTile whole_tile(const OverlayTile& tile) {
   for (const TileSpan& span : tile.spans) {
     const std::size_t to =
         static_cast<std::size_t>(span.row) * width + static_cast<std::size_t>(span.first);
-    std::copy_n(&tile.pixels[4 * span.at], 4 * span.count, &whole.pixels[4 * to]);
+    std::copy_n(tile.pixels.data() + 4 * span.at, 4 * span.count, whole.pixels.data() + 4 * to);
   }
   return whole;
 }
