@@ -59,7 +59,8 @@ GstVideoFrame covered(const GstVideoFrame& frame, const OverlayTile& tile, int l
   return part;
 }
 
-bool blend_by_libgstvideo(GstVideoFrame* frame, const OverlayTile& tile, int left, int top) {
+bool blend_by_libgstvideo(GstVideoFrame* frame, const OverlayTile& drawn, int left, int top) {
+  const OverlayTile tile = whole_tile(drawn);
   const bool is_rgb = GST_VIDEO_INFO_IS_RGB(&frame->info);
   const std::vector<std::uint8_t> ayuv = is_rgb ? std::vector<std::uint8_t>() : ayuv_of(tile);
   const std::vector<std::uint8_t>& bytes = is_rgb ? tile.pixels : ayuv;

@@ -37,8 +37,9 @@ constexpr Size kSizes[] = {{"720p", {1280, 720}}, {"1080p", {1920, 1080}}, {"4K"
 // A session under way: everything that the overlay can show at once, and a board that moves.
 class Scenes {
  public:
-  explicit Scenes(ImageSize size) : size_(size) {
+  Scenes(ImageSize size, const char* board) : size_(size) {
     check::Scene scene{.size = size};
+    scene.board = parse_board(board).value();
     scene.motion = Motion(MotionKind::kHand, scene.camera, scene.board, 1);
     for (int n = 0; n < kFrames; ++n) boards_.push_back({scene.truth(n)});
     progress_.views = 12;
@@ -169,10 +170,13 @@ int main(int argc, char** argv) {
   gst::register_metas();
   bench::initialize_interleaved(argc, argv);
   for (const Size& size : kSizes) {
-    const auto scenes = std::make_shared<Scenes>(size.size);
+    const auto scenes = std::make_shared<Scenes>(size.size, "checkerboard:9x6:25mm");
+    const auto many = std::make_shared<Scenes>(size.size, "checkerboard:14x10:20mm");
     for (const char* format : {"NV12", "I420", "BGRx", "RGB"}) {
       const std::string name = std::string(format) + " " + size.name + "|";
       add(name + "calvin", [=](benchmark::State& s) { element(s, *scenes, format, true); });
+      add(name + "calvin, 140 corners",
+          [=](benchmark::State& s) { element(s, *many, format, true); });
       add(name + "calvin, a board at rest",
           [=](benchmark::State& s) { element(s, *scenes, format, false); });
       add(name + "libgstvideo, blending alone",

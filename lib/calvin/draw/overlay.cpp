@@ -258,6 +258,19 @@ std::uint64_t next_tile_serial() noexcept {
   return ++last;
 }
 
+OverlayTile whole_tile(const OverlayTile& tile) {
+  if (tile.spans.empty()) return tile;
+  OverlayTile whole{tile.x, tile.y, tile.width, tile.height, {}, {}, tile.serial};
+  const auto width = static_cast<std::size_t>(tile.width);
+  whole.pixels.resize(4 * width * static_cast<std::size_t>(tile.height));
+  for (const TileSpan& span : tile.spans) {
+    const std::size_t to =
+        static_cast<std::size_t>(span.row) * width + static_cast<std::size_t>(span.first);
+    std::copy_n(tile.pixels.data() + 4 * span.at, 4 * span.count, whole.pixels.data() + 4 * to);
+  }
+  return whole;
+}
+
 OverlayPainter::OverlayPainter() = default;
 OverlayPainter::~OverlayPainter() = default;
 
@@ -290,7 +303,9 @@ Result<std::vector<OverlayTile>> draw_overlay(ImageSize frame,
   OverlayPainter painter;
   const auto tiles = painter.draw(frame, observations, progress, parts);
   if (!tiles) return tl::unexpected<Error>(tiles.error());
-  return std::vector<OverlayTile>(tiles->begin(), tiles->end());
+  std::vector<OverlayTile> whole;
+  for (const OverlayTile& tile : *tiles) whole.push_back(whole_tile(tile));
+  return whole;
 }
 
 std::string overlay_caption(const Progress& progress) {

@@ -23,14 +23,21 @@ struct Box {
   [[nodiscard]] bool empty() const noexcept { return left >= right || top >= bottom; }
 };
 
-Box clipped(const Extent& extent, const Box& bounds) {
-  const auto clamp = [](double value, int low, int high) {
-    return static_cast<int>(std::clamp(value, double{0} + low, double{0} + high));
+// The pixels of an extent.
+Box box_around(const Extent& extent) {
+  static constexpr double kFarthest = 1e6;  // beyond any frame
+  const auto whole = [](double value) {
+    return static_cast<int>(std::clamp(value, -kFarthest, kFarthest));
   };
-  return {clamp(std::floor(extent.left), bounds.left, bounds.right),
-          clamp(std::floor(extent.top), bounds.top, bounds.bottom),
-          clamp(std::ceil(extent.right) + 1, bounds.left, bounds.right),
-          clamp(std::ceil(extent.bottom) + 1, bounds.top, bounds.bottom)};
+  return {whole(std::floor(extent.left)), whole(std::floor(extent.top)),
+          whole(std::ceil(extent.right)) + 1, whole(std::ceil(extent.bottom)) + 1};
+}
+
+Box clipped(const Box& box, const Box& bounds) {
+  return {std::clamp(box.left, bounds.left, bounds.right),
+          std::clamp(box.top, bounds.top, bounds.bottom),
+          std::clamp(box.right, bounds.left, bounds.right),
+          std::clamp(box.bottom, bounds.top, bounds.bottom)};
 }
 
 Box united(const Box& a, const Box& b) {
@@ -60,6 +67,7 @@ class OverlayCells {
   void clear() {
     for (auto& shapes : touched_) shapes.clear();
     moves_.assign(moves_.size(), false);
+    boxes_.clear();
   }
 
   [[nodiscard]] int columns() const noexcept { return columns_; }
@@ -77,9 +85,14 @@ class OverlayCells {
     return !touching(next, row).empty() && moves_[index(column, row)] == moves_[index(next, row)];
   }
 
+  // Around the shape of that number, in the order in which they were added.
+  [[nodiscard]] const Box& box(std::size_t number) const { return boxes_[number]; }
+
   // A line is cut into pieces of a cell's length, so that a diagonal does not touch its whole
   // bounding box.
-  void add(const Shape& shape, std::size_t number) {
+  void add(const Shape& shape) {
+    const std::size_t number = boxes_.size();
+    boxes_.push_back(box_around(extent_of(shape)));
     const double length =
         std::max(std::abs(shape.to.u - shape.from.u), std::abs(shape.to.v - shape.from.v));
     const int pieces =
@@ -90,7 +103,7 @@ class OverlayCells {
         piece.from = between(shape, static_cast<double>(i) / pieces);
         piece.to = between(shape, static_cast<double>(i + 1) / pieces);
       }
-      touch(clipped(extent_of(piece), frame_), number, shape.moves);
+      touch(clipped(box_around(extent_of(piece)), frame_), number, shape.moves);
     }
   }
 
@@ -121,6 +134,7 @@ class OverlayCells {
   int rows_;
   std::vector<std::vector<std::size_t>> touched_;
   std::vector<bool> moves_;  // whether one of them does
+  std::vector<Box> boxes_;
 };
 
 namespace {
@@ -162,12 +176,13 @@ Box aligned(const Box& box, const Box& bounds) {
 // What the tile of a run of touched cells covers, and the numbers of the shapes in it; `last` is
 // the run's last column.
 Box box_of(const OverlayCells& cells, int first, int last, int row,
-           const std::vector<Shape>& shapes, std::vector<std::size_t>& numbers) {
+           std::vector<std::size_t>& numbers) {
   Box box;
+  numbers.clear();
   for (int column = first; column <= last; ++column) {
     for (const std::size_t number : cells.touching(column, row)) {
       numbers.push_back(number);
-      box = united(box, clipped(extent_of(shapes[number]), cells.cells(column, column, row)));
+      box = united(box, clipped(cells.box(number), cells.cells(column, column, row)));
     }
   }
   std::sort(numbers.begin(), numbers.end());
@@ -187,44 +202,72 @@ Extent extent_of(const Shape& shape) noexcept {
 OverlayRaster::OverlayRaster() = default;
 OverlayRaster::~OverlayRaster() = default;
 
-OverlayTile OverlayRaster::painted(const OverlayBox& box, const std::vector<Shape>& shapes) {
-  OverlayTile tile{box.x, box.y, box.width, box.height, {}, next_tile_serial()};
+void OverlayRaster::paint_tile(const OverlayBox& box) {
+  Painted next;
+  if (!spare_.empty()) {
+    next = std::move(spare_.back());
+    spare_.pop_back();
+  }
+  OverlayTile& tile = next.tile;
+  tile.x = box.x;
+  tile.y = box.y;
+  tile.width = box.width;
+  tile.height = box.height;
+  tile.serial = next_tile_serial();
   planes_.begin(tile.width, tile.height);
-  for (const Shape& shape : shapes) paint(shape, tile.x, tile.y, planes_);
-  tile.pixels.resize(4 * static_cast<std::size_t>(tile.width) *
-                     static_cast<std::size_t>(tile.height));
-  merge_planes(planes_, tile.pixels.data());
-  return tile;
+  for (const Shape& shape : within_) paint(shape, tile.x, tile.y, planes_);
+  planes_.take_painted(tile.spans);
+  if (tile.spans.empty()) tile.spans.emplace_back();  // it would hold all pixels otherwise
+  const TileSpan& last = tile.spans.back();
+  const std::size_t bytes = 4 * (last.at + static_cast<std::size_t>(last.count));
+  if (tile.pixels.size() < bytes) tile.pixels.resize(bytes);
+  merge_planes(planes_, tile.spans, tile.pixels.data());
+  next.shapes = within_;
+  tiles_.push_back(std::move(tile));
+  shapes_.push_back(std::move(next.shapes));
+}
+
+void OverlayRaster::add_tile(const OverlayBox& box) {
+  const auto is_there = [&](const OverlayTile& tile) {
+    return OverlayBox{tile.x, tile.y, tile.width, tile.height} == box &&
+           shapes_before_[static_cast<std::size_t>(&tile - before_.data())] == within_;
+  };
+  const auto known = std::ranges::find_if(before_, is_there);
+  if (known == before_.end()) return paint_tile(box);
+  tiles_.push_back(std::exchange(*known, {}));
+  shapes_.push_back(std::move(shapes_before_[static_cast<std::size_t>(known - before_.begin())]));
+}
+
+void OverlayRaster::keep_spare() {
+  spare_.clear();
+  for (std::size_t i = 0; i < before_.size(); ++i) {
+    if (before_[i].serial != 0) {
+      spare_.push_back({std::move(before_[i]), std::move(shapes_before_[i])});
+    }
+  }
 }
 
 void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
   if (!cells_ || !cells_->are_of(frame)) cells_ = std::make_unique<OverlayCells>(frame);
   OverlayCells& cells = *cells_;
   cells.clear();
-  for (std::size_t i = 0; i < shapes.size(); ++i) cells.add(shapes[i], i);
-  std::vector<OverlayTile> before = std::exchange(tiles_, {});
-  const std::vector<std::vector<Shape>> were_painted = std::exchange(painted_, {});
-  const auto add = [&](const OverlayBox& box, std::vector<Shape> within) {
-    const auto is_there = [&](const OverlayTile& tile) {
-      return OverlayBox{tile.x, tile.y, tile.width, tile.height} == box &&
-             were_painted[static_cast<std::size_t>(&tile - before.data())] == within;
-    };
-    const auto known = std::ranges::find_if(before, is_there);
-    tiles_.push_back(known == before.end() ? painted(box, within) : std::move(*known));
-    painted_.push_back(std::move(within));
-  };
+  for (const Shape& shape : shapes) cells.add(shape);
+  tiles_.swap(before_);
+  shapes_.swap(shapes_before_);
+  tiles_.clear();
+  shapes_.clear();
   for (int row = 0; row < cells.rows(); ++row) {
     for (int column = 0; column < cells.columns(); ++column) {
       if (cells.touching(column, row).empty()) continue;
       const int first = column;
       while (column + 1 < cells.columns() && cells.join(column, column + 1, row)) ++column;
-      std::vector<std::size_t> numbers;
-      const Box box = box_of(cells, first, column, row, shapes, numbers);
-      std::vector<Shape> within;
-      for (const std::size_t number : numbers) within.push_back(shapes[number]);
-      add({box.left, box.top, box.right - box.left, box.bottom - box.top}, std::move(within));
+      const Box box = box_of(cells, first, column, row, numbers_);
+      within_.clear();
+      for (const std::size_t number : numbers_) within_.push_back(shapes[number]);
+      add_tile({box.left, box.top, box.right - box.left, box.bottom - box.top});
     }
   }
+  keep_spare();
 }
 
 }  // namespace calvin

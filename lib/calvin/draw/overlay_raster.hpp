@@ -26,12 +26,28 @@ class OverlayRaster {
   [[nodiscard]] const std::vector<OverlayTile>& tiles() const noexcept { return tiles_; }
 
  private:
-  OverlayTile painted(const OverlayBox& box, const std::vector<Shape>& shapes);
+  struct Painted {
+    OverlayTile tile;
+    std::vector<Shape> shapes;
+  };
+
+  // A tile of the shapes `within_`: that of the last frame, if it had the same.
+  void add_tile(const OverlayBox& box);
+  void paint_tile(const OverlayBox& box);
+  // What is left of the last frame.
+  void keep_spare();
 
   std::unique_ptr<class OverlayCells> cells_;
   TilePlanes planes_;
   std::vector<OverlayTile> tiles_;
-  std::vector<std::vector<Shape>> painted_;  // what each of them shows
+  std::vector<std::vector<Shape>> shapes_;  // what each of them shows
+  // Those of the last frame, but for what is in this one as well.
+  std::vector<OverlayTile> before_;
+  std::vector<std::vector<Shape>> shapes_before_;
+  std::vector<Painted> spare_;  // for the room that they take: a board moves in each frame
+  // While one tile is made.
+  std::vector<std::size_t> numbers_;
+  std::vector<Shape> within_;
 };
 
 }  // namespace calvin

@@ -33,23 +33,33 @@ HWY_INLINE V kept(D d, V keep, V frame) {
   return hn::MulHigh(t, hn::Set(d, 257));
 }
 
-// add + keep frame / 255. Every other byte is the upper half of a lane of 16 bits, wherever a
-// machine has that.
+// add + keep frame / 255 of as many bytes as a vector has. Every other byte is the upper half of a
+// lane of 16 bits.
+template <class D>
+HWY_INLINE void blend_vector(D bytes, const std::uint8_t* add, const std::uint8_t* keep,
+                             std::uint8_t* frame) {
+  const hn::RepartitionToWide<D> wide;
+  const auto low = hn::Set(wide, 0xFF);
+  const auto by = hn::BitCast(wide, hn::LoadU(bytes, keep));
+  const auto of = hn::BitCast(wide, hn::LoadU(bytes, frame));
+  const auto lower = kept(wide, hn::And(by, low), hn::And(of, low));
+  const auto upper = kept(wide, hn::ShiftRight<8>(by), hn::ShiftRight<8>(of));
+  const auto both = hn::BitCast(bytes, hn::Or(lower, hn::ShiftLeft<8>(upper)));
+  hn::StoreU(hn::SaturatedAdd(hn::LoadU(bytes, add), both), bytes, frame);
+}
+
+// Runs have a multiple of 16 pixels, but for those at the end of a row.
 void blend_bytes(const std::uint8_t* add, const std::uint8_t* keep, int count,
                  std::uint8_t* frame) {
   int i = 0;
 #if HWY_TARGET != HWY_SCALAR
-  const hn::CappedTag<std::uint8_t, 32> bytes;
-  const hn::RepartitionToWide<decltype(bytes)> wide;
-  const auto lanes = static_cast<int>(hn::Lanes(bytes));
-  const auto low = hn::Set(wide, 0xFF);
-  for (; i + lanes <= count; i += lanes) {
-    const auto by = hn::BitCast(wide, hn::LoadU(bytes, keep + i));
-    const auto of = hn::BitCast(wide, hn::LoadU(bytes, frame + i));
-    const auto lower = kept(wide, hn::And(by, low), hn::And(of, low));
-    const auto upper = kept(wide, hn::ShiftRight<8>(by), hn::ShiftRight<8>(of));
-    const auto both = hn::BitCast(bytes, hn::Or(lower, hn::ShiftLeft<8>(upper)));
-    hn::StoreU(hn::SaturatedAdd(hn::LoadU(bytes, add + i), both), bytes, frame + i);
+  const hn::CappedTag<std::uint8_t, 32> most;
+  const hn::CappedTag<std::uint8_t, 16> half;
+  for (; i + static_cast<int>(hn::Lanes(most)) <= count; i += static_cast<int>(hn::Lanes(most))) {
+    blend_vector(most, add + i, keep + i, frame + i);
+  }
+  for (; i + static_cast<int>(hn::Lanes(half)) <= count; i += static_cast<int>(hn::Lanes(half))) {
+    blend_vector(half, add + i, keep + i, frame + i);
   }
 #endif
   for (; i < count; ++i) {

@@ -7,7 +7,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
+
+#include "calvin/draw/overlay.hpp"
 
 namespace calvin {
 
@@ -33,6 +36,9 @@ class TilePlanes {
         bytes_.data() + (row + static_cast<std::size_t>(number)) * kPlanes * kBlock;
     return {first, first + kBlock, first + 2 * kBlock, first + 3 * kBlock, first + 4 * kBlock};
   }
+  // Whole blocks, but for the end of a row, in which something was painted since begin(); forgets
+  // that it was.
+  void take_painted(std::vector<TileSpan>& spans);
   // Whether something was painted in it since begin().
   [[nodiscard]] std::uint8_t& is_painted(int number, int y) noexcept {
     return painted_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_) +
@@ -77,8 +83,8 @@ struct InkedBox {
 void paint_stroke(const Stroke& stroke, const Ink& ink, TilePlanes& planes) noexcept;
 void paint_box(const InkedBox& box, const Ink& ink, TilePlanes& planes) noexcept;
 
-// The shapes over the dark as 32-bit ARGB, premultiplied, into width * height transparent pixels;
-// leaves the planes empty.
-void merge_planes(TilePlanes& planes, std::uint8_t* argb) noexcept;
+// The shapes over the dark as 32-bit ARGB, premultiplied, span after span as take_painted() has
+// them; leaves the planes empty.
+void merge_planes(TilePlanes& planes, std::span<const TileSpan> spans, std::uint8_t* argb) noexcept;
 
 }  // namespace calvin

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "calvin/draw/stamp_kernels.hpp"
@@ -67,12 +68,16 @@ class StampMaker {
         rows_(components_.rows()),
         stamp_(stamp) {
     for (std::size_t p = 0; p < planes_.size(); ++p) planes_[p] = rows_of(static_cast<int>(p));
+    joins_spans_ = joins_spans();
   }
 
   // How many bytes of `add` and `keep` there are; the vectors may be longer.
   std::size_t make() {
     const int last = std::min(tile_.height, layout_.size.height - top_);
-    for (int y = std::max(0, -top_); y < last; ++y) add_row(y);
+    for (int y = std::max(0, -top_); y < last; ++y) {
+      add_row(y);
+      share_bytes();
+    }
     return used_;
   }
 
@@ -83,7 +88,7 @@ class StampMaker {
       stamp_.runs.clear();
       used_ = 0;
       add_row(y);
-      blend_stamp(stamp_, frame);
+      if (used_ > 0) blend_stamp(stamp_, frame);
     }
   }
 
@@ -104,7 +109,63 @@ class StampMaker {
     return all == 0;
   }
 
+  // Rows come from the top on.
   void add_row(int y) {
+    if (tile_.spans.empty()) return add_unknown_row(y);
+    const std::vector<TileSpan>& spans = tile_.spans;
+    while (span_ < spans.size() && spans[span_].row < y) ++span_;
+    std::size_t end = span_;
+    while (end < spans.size() && spans[end].row == y) ++end;
+    if (joins_spans_) {
+      add_spans(std::span(spans).subspan(span_, end - span_), y);
+      span_ = end;
+    }
+    for (; span_ < end; ++span_) {
+      const int from = std::max(spans[span_].first, first_);
+      const int to = std::min(spans[span_].first + spans[span_].count, end_);
+      const auto skipped = static_cast<std::size_t>(std::max(0, from - spans[span_].first));
+      if (from < to) add_run(&tile_.pixels[4 * (spans[span_].at + skipped)], from, to, y);
+    }
+  }
+
+  // All spans of a row at once: the tile holds them one after another, and none ends within a
+  // sample.
+  void add_spans(std::span<const TileSpan> spans, int y) {
+    if (spans.empty()) return;
+    const auto count = static_cast<int>(spans.back().at - spans.front().at) + spans.back().count;
+    if (count == 0) return;
+    y += top_;
+    split_pixels(&tile_.pixels[4 * spans.front().at], count, split_of(y), rows_);
+    for (std::size_t p = 0; p < planes_.size(); ++p) {
+      if (!planes_[p] || (y & ((1 << planes_[p]->y_shift) - 1)) != 0) continue;
+      const PlaneRows& rows = *planes_[p];
+      const int shift = rows.add.shift;
+      const int step = rows.add.count;
+      const int samples = (count + (1 << shift) - 1) >> shift;
+      std::size_t at = take(samples * step);
+      interleave(rows.add, samples, &stamp_.add[at]);
+      interleave(rows.keep, samples, &stamp_.keep[at]);
+      for (const TileSpan& span : spans) {
+        const int bytes = ((span.count + (1 << shift) - 1) >> shift) * step;
+        const int byte = ((left_ + span.first) >> shift) * step;
+        stamp_.runs.push_back({static_cast<int>(p), y >> rows.y_shift, byte, bytes, at});
+        at += static_cast<std::size_t>(bytes);
+      }
+    }
+  }
+
+  // Whether add_spans() can.
+  [[nodiscard]] bool joins_spans() const {
+    bool aligned = first_ == 0 && end_ == tile_.width;
+    for (int c = 0; c < layout_.count; ++c) {
+      const SampleLayout& s = layout_.components.at(static_cast<std::size_t>(c));
+      aligned = aligned && planes_[static_cast<std::size_t>(s.plane)] &&
+                (left_ & ((1 << s.x_shift) - 1)) == 0;
+    }
+    return aligned;
+  }
+
+  void add_unknown_row(int y) {
     int x = first_;
     while (x < end_) {
       x += blank_pixels(pixel(x, y), end_ - x);
@@ -112,8 +173,33 @@ class StampMaker {
       while (x < end_ && !transparent(x, std::min(x + kStep, end_), y)) {
         x = std::min(x + kStep, end_);
       }
-      if (from < x) add_run(from, x, y);
+      if (from < x) add_run(pixel(from, y), from, x, y);
     }
+  }
+
+  // Rows of boxes are like the ones above them: the bytes of a run that are those of the one before
+  // in its plane are kept once, or they would fill the cache on each frame.
+  void share_bytes() {
+    std::size_t used = row_bytes_;
+    for (std::size_t i = row_run_; i < stamp_.runs.size(); ++i) {
+      TileStamp::Run& run = stamp_.runs[i];
+      const auto count = static_cast<std::size_t>(run.count);
+      TileStamp::Run& before = before_[static_cast<std::size_t>(run.plane)];
+      const auto same = [&](const std::vector<std::uint8_t>& bytes) {
+        return std::memcmp(&bytes[run.first], &bytes[before.first], count) == 0;
+      };
+      if (before.count == run.count && same(stamp_.add) && same(stamp_.keep)) {
+        run.first = before.first;
+        continue;
+      }
+      for (auto* bytes : {&stamp_.add, &stamp_.keep}) {
+        std::memmove(&(*bytes)[used], &(*bytes)[run.first], count);
+      }
+      run.first = std::exchange(used, used + count);
+      before = run;
+    }
+    row_bytes_ = used_ = used;
+    row_run_ = stamp_.runs.size();
   }
 
   // Where the next bytes of the stamp begin.
@@ -134,8 +220,8 @@ class StampMaker {
     return layout_.count > 1 && has_chroma ? Split::kYuv : Split::kLuma;
   }
 
-  void add_run(int from, int to, int y) {
-    split_pixels(pixel(from, y), to - from, split_of(top_ + y), rows_);
+  void add_run(const std::uint8_t* argb, int from, int to, int y) {
+    split_pixels(argb, to - from, split_of(top_ + y), rows_);
     std::array<bool, 3> done{};
     for (int c = 0; c < layout_.count; ++c) {
       const auto plane = static_cast<std::size_t>(layout_.components.at(c).plane);
@@ -257,7 +343,13 @@ class StampMaker {
   ComponentRows rows_;
   std::array<std::optional<PlaneRows>, 3> planes_;
   TileStamp& stamp_;
+  bool joins_spans_ = false;
   std::size_t used_ = 0;  // of its bytes
+  std::size_t span_ = 0;  // the next one of the tile
+  // share_bytes(): where the present row begins, and the last run of each plane.
+  std::size_t row_bytes_ = 0;
+  std::size_t row_run_ = 0;
+  std::array<TileStamp::Run, 3> before_;
 };
 
 }  // namespace

@@ -23,8 +23,11 @@ constexpr Ink kWhiteInk{{255, 255, 255, 255}};
 struct Painted {
   Painted(int w, int h) : width(w), height(h) { planes.begin(w, h); }
   void merge() {
-    pixels.assign(static_cast<std::size_t>(4 * width * height), 0);
-    merge_planes(planes, pixels.data());
+    OverlayTile tile{.width = width, .height = height};
+    planes.take_painted(tile.spans);
+    tile.pixels.resize(static_cast<std::size_t>(4 * width * height));
+    merge_planes(planes, tile.spans, tile.pixels.data());
+    pixels = whole_tile(tile).pixels;
   }
   [[nodiscard]] std::uint32_t argb(int x, int y) const {
     std::uint32_t pixel = 0;
