@@ -36,7 +36,9 @@ Result<JointSolve> solve(const JointProblem& problem, std::vector<BoardView> vie
   auto groups = group_views(instants, one.views);
   allow_for_timing(times, one.views, groups);
   one.links = find_links(one.views, groups, problem.cameras);
-  auto places = place_all(one.views, groups, problem.cameras, one.links, problem.names);
+  // What one camera sees says nothing of the others, and something of its own intrinsics.
+  const std::size_t fewest = problem.instants == InstantsOf::kAny ? 1 : 2;
+  auto places = place_all(one.views, groups, problem.cameras, one.links, problem.names, fewest);
   if (!places) return tl::unexpected<Error>(places.error());
   auto fit =
       fit_rig(one.views, *std::move(places), problem.seen, problem.cameras, problem.free, stop);

@@ -157,7 +157,7 @@ JoinedCameras joined_cameras(const std::vector<Link>& links,
 Result<RigPlaces> place_all(const std::vector<BoardView>& views,
                             const std::vector<std::vector<std::size_t>>& groups,
                             const std::vector<Camera>& cameras, const std::vector<Link>& links,
-                            const std::vector<std::string>& names) {
+                            const std::vector<std::string>& names, std::size_t fewest) {
   auto camera_from_rig = place_cameras(links, names);
   if (!camera_from_rig) return tl::unexpected<Error>(camera_from_rig.error());
   const std::vector<CameraPoints> points = points_before(cameras);
@@ -167,7 +167,7 @@ Result<RigPlaces> place_all(const std::vector<BoardView>& views,
     std::map<std::size_t, std::vector<std::size_t>> by_board;
     for (const std::size_t v : group) by_board[views[v].board].push_back(v);
     for (const auto& [board, of_board] : by_board) {
-      if (of_board.size() < 2) continue;  // what one camera sees says nothing of the others
+      if (of_board.size() < fewest) continue;
       BoardPlace best;
       for (std::size_t first = 0; first < of_board.size(); ++first) {
         BoardPlace place = place_by(first, of_board, views, points, places.camera_from_rig);

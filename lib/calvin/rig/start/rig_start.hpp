@@ -37,11 +37,13 @@ struct JoinedCameras {
                                            const std::vector<std::string>& names);
 
 // kDegenerate where cameras are joined to the others by no link, and where a link that is needed is
-// not decided; the message names them and says what to show. `names` are those of the cameras.
+// not decided; the message names them and says what to show. `names` are those of the cameras. A
+// board that fewer than `fewest` views of an instant show is left out.
 [[nodiscard]] Result<RigPlaces> place_all(const std::vector<BoardView>& views,
                                           const std::vector<std::vector<std::size_t>>& groups,
                                           const std::vector<Camera>& cameras,
                                           const std::vector<Link>& links,
-                                          const std::vector<std::string>& names);
+                                          const std::vector<std::string>& names,
+                                          std::size_t fewest = 2);
 
 }  // namespace calvin::rig
