@@ -97,7 +97,8 @@ inline std::vector<std::pair<std::uint64_t, fs::path>> pictures_of(const std::st
 }
 
 // What is done to the places of points once they are found, with the picture at hand; or nothing.
-using Places = calvin::Observation (*)(const calvin::ImageView&, const calvin::Observation&);
+using Places = calvin::Observation (*)(const calvin::ImageView&, const calvin::Observation&,
+                                       const calvin::Board&);
 
 inline calvin::Result<std::vector<calvin::View>> in_pictures(
     const std::string& source, const std::vector<calvin::Board>& boards, Places places) {
@@ -112,7 +113,9 @@ inline calvin::Result<std::vector<calvin::View>> in_pictures(
                                      static_cast<std::ptrdiff_t>(picture.step[0]), 1};
     for (auto& found : (*detector)->detect_all(image)) {
       if (found.reason != calvin::Reason::kAccepted) continue;
-      if (places != nullptr) found.observation = places(image, found.observation);
+      if (places != nullptr) {
+        found.observation = places(image, found.observation, boards[found.board]);
+      }
       found.observation.image_size = {picture.cols, picture.rows};
       found.observation.timestamp = number * kNumber;
       views.push_back({std::move(found.observation), boards[found.board]});

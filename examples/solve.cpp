@@ -4,10 +4,8 @@
 // calvin-solve [OPTIONS] CALIBRATION.json VIEWS...: one camera from what was seen of boards or of
 // known points, by the search of solve() or by one of the methods of older tools.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,19 +14,18 @@
 
 #include <fmt/format.h>
 
-#include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/detect/grids/thresholded_dots.hpp"
-#include "calvin/geometry/se3.hpp"
+#include "calvin/detect/patches.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/session/refine_with_camera.hpp"
 #include "calvin/solve/heikkila/ellipse_centers.hpp"
 #include "calvin/solve/methods/methods.hpp"
-#include "calvin/solve/residuals/board_shape.hpp"
-#include "calvin/solve/residuals/straightness.hpp"
 #include "calvin/solve/solve.hpp"
 
 #include "print_calibration.hpp"
 #include "solve_par.hpp"
+#include "solve_print.hpp"
 #include "solve_views.hpp"
 #include "solve_zooming.hpp"
 
@@ -36,7 +33,6 @@ namespace {
 
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
-constexpr double kMillimetre = 1e-3;  // m
 
 constexpr std::string_view kUsage =
     R"(Usage: calvin-solve [OPTIONS] CALIBRATION.json VIEWS...
@@ -63,6 +59,8 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
                      sturm-maybank: planes through a lens that zooms from view to view. Each has its
                      own f and k1, and CALIBRATION.json is a zoom table by the numbers of the views
   --no-refine        what the method finds by itself
+  --runs N           solve N times, the corners of pictures refined by the camera of the run before
+                     (recompute corners), 1 if not given
   --fix P,P,...      hold parameters: aspect, center, k3, fx=fy, fx=800 ...
   --initial FILE     start from a calibration, which also says at what values to hold
   --skew             estimate the angle between the axes of the image
@@ -85,6 +83,7 @@ struct Arguments {
   calvin::SolveOptions options;
   std::string initial;
   std::optional<double> pitch;  // m
+  int runs = 1;
   solve_par::Par par;
   std::vector<std::size_t> drop;
   std::vector<std::string> words;
@@ -170,6 +169,11 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
     }
     return true;
   }
+  if (option == "--runs") {
+    constexpr int kMost = 100;
+    arguments.runs = calvin::parse_int(value).value_or(0);
+    return arguments.runs > 0 && arguments.runs <= kMost;
+  }
   if (option == "--diameter") return set_length(value, rows.diameter);
   if (option == "--unit") {
     const bool is_unit = set_length(fmt::format("1{}", value), rows.format.unit);
@@ -216,6 +220,10 @@ std::optional<Arguments> parse(std::span<char*> given) {
     wrong_usage("with --par it takes a file to write, and no views.");
     return std::nullopt;
   }
+  if (arguments.runs > 1 && !arguments.options.refine) {
+    wrong_usage("--runs refines corners by the camera of a run, and --no-refine refines nothing.");
+    return std::nullopt;
+  }
   if (arguments.words.size() < 2 && !arguments.par.is_given) {
     wrong_usage("it takes a file to write, and views.");
     return std::nullopt;
@@ -228,7 +236,17 @@ calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
   solve_views::RowsOptions rows = arguments.rows;
   const bool is_discorpy = arguments.options.method == "discorpy" && !arguments.options.refine;
   if (is_discorpy && arguments.board.starts_with("dots")) {
-    rows.places = calvin::detect::at_thresholded_dots;
+    rows.places = [](const calvin::ImageView& image, const calvin::Observation& seen,
+                     const calvin::Board&) {
+      return calvin::detect::at_thresholded_dots(image, seen);
+    };
+  } else if (arguments.runs > 1) {
+    rows.places = [](const calvin::ImageView& image, const calvin::Observation& seen,
+                     const calvin::Board& board) {
+      calvin::Observation kept = seen;
+      kept.patches = calvin::cut_patches(image, seen, board);
+      return kept;
+    };
   }
   auto all = solve_views::read({arguments.words.begin() + 1, arguments.words.end()},
                                arguments.board, rows);
@@ -242,95 +260,6 @@ calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
     return calvin::make_error(calvin::ErrorCode::kNotFound, "There is no view of a board.");
   }
   return kept;
-}
-
-// The distances of the points of a view from where the camera puts them on the board as it is bent,
-// px.
-struct Distances {
-  double mean = 0;
-  double farthest = 0;
-  int id = 0;  // of the point that is farthest
-};
-Distances distances_of(const calvin::View& view, const std::set<int>& left_out,
-                       const calvin::SE3& camera_from_board, const calvin::BoardWarp& warp,
-                       const calvin::Camera& camera) {
-  Distances all;
-  double count = 0;
-  const auto points = calvin::bent_points(view.board, warp);
-  const calvin::Observation& seen = view.observation;
-  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
-    const auto index = view.board.index_of(seen.ids[i]);
-    if (!index || left_out.contains(seen.ids[i])) continue;
-    const auto at = camera.project(camera_from_board * points[*index]);
-    if (!at) continue;
-    const double distance = std::hypot(at->u - seen.uv[i].u, at->v - seen.uv[i].v);
-    all.mean += distance;
-    ++count;
-    if (distance < all.farthest) continue;
-    all.farthest = distance;
-    all.id = seen.ids[i];
-  }
-  all.mean /= std::max(count, 1.0);
-  return all;
-}
-
-// Lines for each view: how well it fits, and where the camera was.
-void print_view(std::string_view name, const calvin::ViewRecord& record, const Distances& d) {
-  const calvin::SE3 camera_from_board = calvin::to_se3(record.camera_from_board);
-  const Eigen::Vector3d t = camera_from_board.translation / kMillimetre;
-  const Eigen::Vector3d place = camera_from_board.inverse().translation / kMillimetre;
-  fmt::print("view {}: {} points, rms {:.4f} px, mean {:.4f}, farthest {:.4f} (point {})\n", name,
-             record.points, record.rms, d.mean, d.farthest, d.id);
-  fmt::print("  T {:.3f} {:.3f} {:.3f} mm, camera at {:.3f} {:.3f} {:.3f} mm\n", t.x(), t.y(),
-             t.z(), place.x(), place.y(), place.z());
-}
-
-// `views` as they were solved, `names` by what they are called; `has_poses`: whether the focal
-// length is known, without which there are none.
-void print_views(const calvin::Solution& solution, const std::vector<calvin::View>& views,
-                 const solve_views::NamedViews& names, bool has_poses) {
-  std::vector<bool> rejected(views.size(), false);
-  std::vector<std::set<int>> left_out(views.size());  // points of each view
-  for (const calvin::RejectedCorner& corner : solution.rejected_corners) {
-    left_out[corner.view].insert(corner.id);
-  }
-  for (const calvin::RejectedView& view : solution.rejected) {
-    rejected[view.index] = true;
-    fmt::print("view {}: left out ({})\n", names[view.index].name, calvin::to_string(view.reason));
-  }
-  const auto camera = calvin::Camera::make(solution.calibration);
-  auto record = solution.calibration.views.begin();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (rejected[i] || record == solution.calibration.views.end() || !camera) continue;
-    if (has_poses) {
-      const Distances d =
-          distances_of(views[i], left_out[i], calvin::to_se3(record->camera_from_board),
-                       solution.calibration.warp.value_or(calvin::BoardWarp()), *camera);
-      print_view(names[i].name, *record, d);
-    } else {
-      fmt::print("view {}: {} points, rms {:.4f} px\n", names[i].name, record->points, record->rms);
-    }
-    ++record;
-  }
-}
-
-// How straight rows and columns of the boards become.
-void print_straightness(const std::vector<calvin::View>& views, const calvin::Solution& solution) {
-  const auto camera = calvin::Camera::make(solution.calibration);
-  const auto straight =
-      camera ? calvin::straightness(views, solution.rejected_corners, *camera) : std::nullopt;
-  if (!straight) return;
-  fmt::print(
-      "straightness: {} rows and columns, rms {:.4f} px from straight lines, {:.4f} as seen\n",
-      straight->lines, straight->mended, straight->seen);
-}
-
-void print_on_sensor(const calvin::Calibration& calibration, double pitch) {
-  const auto* fx = calibration.find("fx");
-  const auto* fy = calibration.find("fy");
-  if (fx == nullptr || fy == nullptr) return;
-  fmt::print("on the sensor: f {:.6g} mm along x, {:.6g} mm along y\n",
-             fx->value * pitch / kMillimetre, fy->value * pitch / kMillimetre);
 }
 
 int run_zooming(const Arguments& arguments) {
@@ -377,22 +306,23 @@ int main(int argc, char** argv) {
   if (!named) return failed(named.error());
   std::vector<calvin::View> views;
   for (const auto& view : *named) views.push_back(view.view);
-  const auto solution =
-      calvin::solve(views, views.front().observation.image_size, arguments->options);
+  const auto solution = calvin::solve_in_runs(views, views.front().observation.image_size,
+                                              arguments->options, arguments->runs);
   if (!solution) return failed(solution.error());
   const auto& file = arguments->words.front();
   if (const auto written = calvin::write_calibration(file, solution->calibration); !written) {
     return failed(written.error());
   }
   calvin_tools::print(solution->calibration);
-  if (arguments->pitch) print_on_sensor(solution->calibration, *arguments->pitch);
+  if (arguments->pitch) solve_print::print_on_sensor(solution->calibration, *arguments->pitch);
   if (arguments->options.ellipse_centers) {
     const bool own = calvin::own_least_squares(arguments->options).has_value();
     views = calvin::without_center_bias(views, *solution,
                                         own ? calvin::conic_bias : calvin::center_bias);
   }
-  print_views(*solution, views, *named, calvin::is_refined(arguments->options.method));
-  print_straightness(views, *solution);
+  if (arguments->runs > 1) calvin::refine_with_camera(views, *solution);
+  solve_print::print_views(*solution, views, *named, calvin::is_refined(arguments->options.method));
+  solve_print::print_straightness(views, *solution);
   calvin_tools::print_verdict(solution->calibration);
   return 0;
 }

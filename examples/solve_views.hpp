@@ -30,7 +30,7 @@ struct RowsOptions {
   calvin::PointRowsFormat format;
   std::optional<calvin::ImageSize> size;
   std::optional<double> diameter;  // m, of dots of rows without one
-  // How dots in pictures are placed otherwise; null: as they are found.
+  // What is done to the points of pictures; null: they are taken as they are found.
   rig_views::Places places = nullptr;
   // Whether u and v count from the corner of the top-left pixel, and not from its centre.
   bool from_corner = false;

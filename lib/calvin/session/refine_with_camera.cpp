@@ -17,6 +17,7 @@
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
 #include "calvin/detect/patches.hpp"
+#include "calvin/solve/methods/methods.hpp"
 
 namespace calvin {
 
@@ -199,26 +200,13 @@ class CornerRefinement {
   std::vector<std::size_t> at_;                 // per id
 };
 
-// Refines the corners of all views that the solution uses, from where it predicts them.
-void refine_with_camera(std::vector<View>& views, const Solution& solution,
-                        const std::stop_token& stop) {
-  const auto camera = Camera::make(solution.calibration);
-  if (!camera) return;
-  std::vector<bool> rejected(views.size(), false);
-  for (const RejectedView& view : solution.rejected) rejected[view.index] = true;
-  std::size_t at = 0;
-  for (std::size_t v = 0; v < views.size() && !stop.stop_requested(); ++v) {
-    if (rejected[v]) continue;
-    const SE3 pose = to_se3(solution.calibration.views[at++].camera_from_board);
-    views[v].observation = refine_with_camera(views[v].observation, views[v].board, *camera, pose);
-  }
-}
-
 // The options of a further run, which starts from the calibration of the last one.
 SolveOptions from(const SolveOptions& options, const Calibration& calibration) {
   SolveOptions again = options;
   again.model = calibration.model;
   if (!options.initial_is_prior) again.initial = calibration;
+  // A method is a start, but for one whose own least squares was asked for.
+  if (!own_least_squares(options)) again.method.clear();
   return again;
 }
 
@@ -244,6 +232,20 @@ Observation refine_with_camera(const Observation& seen, const Board& board, cons
   // The control points of other boards are no saddles.
   if (!detect::has_pattern(board)) return seen;
   return CornerRefinement(seen, detect::Pattern(board), camera, camera_from_board).run();
+}
+
+void refine_with_camera(std::vector<View>& views, const Solution& solution,
+                        const std::stop_token& stop) {
+  const auto camera = Camera::make(solution.calibration);
+  if (!camera) return;
+  std::vector<bool> rejected(views.size(), false);
+  for (const RejectedView& view : solution.rejected) rejected[view.index] = true;
+  std::size_t at = 0;
+  for (std::size_t v = 0; v < views.size() && !stop.stop_requested(); ++v) {
+    if (rejected[v]) continue;
+    const SE3 pose = to_se3(solution.calibration.views[at++].camera_from_board);
+    views[v].observation = refine_with_camera(views[v].observation, views[v].board, *camera, pose);
+  }
 }
 
 Result<Solution> solve_in_runs(std::span<const View> views, ImageSize image_size,

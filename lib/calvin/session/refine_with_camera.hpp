@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <span>
 #include <stop_token>
+#include <vector>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/observation.hpp"
@@ -21,6 +22,10 @@ namespace calvin {
 // found within 1.5 px of its first place, or has no patch, stays where it was; ids and sigmas stay.
 [[nodiscard]] Observation refine_with_camera(const Observation& seen, const Board& board,
                                              const Camera& camera, const SE3& camera_from_board);
+
+// That of all views that the solution has used, with its camera and poses.
+void refine_with_camera(std::vector<View>& views, const Solution& solution,
+                        const std::stop_token& stop = {});
 
 // solve() `runs` times, the corners refined with the solution before, as far as the views
 // have patches: fewer times where another run would change nothing. A run that has no solution
