@@ -244,7 +244,8 @@ int main(int argc, char** argv) {
   name_cameras(files, cameras);
   auto solved = calvin::solve_rig(cameras, arguments->options);
   if (!solved) return failed(solved.error());
-  std::string moved = calvin::moved_cameras(cameras, arguments->options);
+  std::string moved =
+      calvin::moved_cameras(calvin::views_of_rig(solved->rig, cameras), arguments->options);
   if (!moved.empty()) solved->remarks.push_back(std::move(moved));
   if (const auto written = calvin::write_rig(arguments->words[0], solved->rig); !written) {
     return failed(written.error());

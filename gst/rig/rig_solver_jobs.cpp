@@ -23,23 +23,10 @@ namespace calvin::gst {
 
 namespace {
 
-// What the cameras of a rig have seen, without those that are not in it.
-std::vector<RigCameraViews> views_in(const Rig& rig, const std::vector<RigCameraViews>& views) {
-  std::vector<RigCameraViews> own;
-  for (const RigCameraViews& one : views) {
-    if (std::ranges::any_of(rig.cameras, [&](const RigCamera& camera) {
-          return camera.calibration.camera == one.calibration.camera;
-        })) {
-      own.push_back(one);
-    }
-  }
-  return own;
-}
-
 // Rejected views are by the cameras of the rig, which are some of those that have views.
 void log_rejected(GstElement* element, const RigSolution& solution,
                   const std::vector<RigCameraViews>& views) {
-  const std::vector<RigCameraViews> own = views_in(solution.rig, views);
+  const std::vector<RigCameraViews> own = views_of_rig(solution.rig, views);
   for (const RigView& of : solution.rejected) {
     GST_DEBUG_OBJECT(element, "what '%s' saw at %" GST_TIME_FORMAT " contradicts the others",
                      own[of.camera].calibration.camera.c_str(),
@@ -90,7 +77,7 @@ Result<RigSolution> RigSolver::solve(const RigJob& job, const std::vector<RigCam
   solution->remarks.insert(solution->remarks.end(), job.remarks.begin(), job.remarks.end());
   // A camera of which that was said has no views since then among these.
   if (!job.final || job.light) return solution;
-  std::string moved = moved_cameras(views_in(solution->rig, views), job.options, stop);
+  std::string moved = moved_cameras(views_of_rig(solution->rig, views), job.options, stop);
   if (!moved.empty()) solution->remarks.push_back(std::move(moved));
   return solution;
 }

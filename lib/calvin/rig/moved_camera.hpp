@@ -14,8 +14,8 @@ namespace calvin {
 
 // A sentence for the user where a camera stands elsewhere in the second half of the time than in
 // the first, by more than the errors of both, and by more than corners that fit as well as they do
-// can leave open. Each half is solved by itself: it takes as long as a solve of all. Empty where
-// none has moved, or where a half does not say where cameras stand.
+// can leave open. Intrinsics stay as they are; each half is solved by itself: it takes as long as a
+// solve of all. Empty where none has moved, or where a half does not say where cameras stand.
 [[nodiscard]] std::string moved_cameras(const std::vector<RigCameraViews>& seen, RigOptions options,
                                         const std::stop_token& stop = {});
 

@@ -43,6 +43,17 @@ bool is_shared(const Instant& instant, InstantsOf of) {
 
 }  // namespace
 
+std::vector<RigCameraViews> views_of_rig(const Rig& rig, const std::vector<RigCameraViews>& seen) {
+  std::vector<RigCameraViews> ordered;
+  for (const RigCamera& camera : rig.cameras) {
+    const auto own = std::ranges::find_if(seen, [&](const RigCameraViews& one) {
+      return one.calibration.camera == camera.calibration.camera;
+    });
+    ordered.push_back({camera.calibration, own != seen.end() ? own->views : std::vector<View>()});
+  }
+  return ordered;
+}
+
 Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t tolerance,
                        InstantsOf of) {
   std::vector<ViewTimes> times;

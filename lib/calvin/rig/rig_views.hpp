@@ -12,6 +12,7 @@
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/export.hpp"
 #include "calvin/core/image.hpp"
+#include "calvin/core/rig.hpp"
 #include "calvin/solve/view.hpp"
 
 namespace calvin {
@@ -21,6 +22,11 @@ struct RigCameraViews {
   Calibration calibration;  // its `camera` is the camera's name
   std::vector<View> views;  // with timestamps of a clock that all cameras share
 };
+
+// What the cameras of a rig have seen, as the rig lists them and with its intrinsics; those of
+// which `seen` has nothing have no views.
+[[nodiscard]] CALVIN_API std::vector<RigCameraViews> views_of_rig(
+    const Rig& rig, const std::vector<RigCameraViews>& seen);
 
 // A view by its camera and its place in that camera's list.
 struct RigView {

@@ -15,18 +15,6 @@ namespace calvin::rig {
 
 namespace {
 
-// As the rig lists its cameras; those that have seen nothing have no views.
-std::vector<RigCameraViews> in_order_of(const Rig& rig, const std::vector<RigCameraViews>& seen) {
-  std::vector<RigCameraViews> ordered;
-  for (const RigCamera& camera : rig.cameras) {
-    const auto own = std::ranges::find_if(seen, [&](const RigCameraViews& one) {
-      return one.calibration.camera == camera.calibration.camera;
-    });
-    ordered.push_back(own != seen.end() ? *own : RigCameraViews{camera.calibration, {}});
-  }
-  return ordered;
-}
-
 Result<std::vector<Camera>> cameras_of(const std::vector<RigCameraViews>& seen) {
   std::vector<Camera> cameras;
   for (const RigCameraViews& one : seen) {
@@ -50,7 +38,7 @@ std::vector<double> offsets_of(const Rig& rig) {
 
 Result<std::vector<PairTest>> test_pairs(const Rig& rig, const std::vector<RigCameraViews>& seen,
                                          std::uint64_t tolerance) {
-  const std::vector<RigCameraViews> ordered = in_order_of(rig, seen);
+  const std::vector<RigCameraViews> ordered = views_of_rig(rig, seen);
   const auto cameras = cameras_of(ordered);
   if (!cameras) return tl::unexpected<Error>(cameras.error());
   auto views = board_views(ordered, *cameras);
