@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Core>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/core/eigen.hpp>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/rig/solve_rig.hpp"
@@ -105,8 +105,8 @@ TEST(RigLenses, EndWhereOpenCvEnds) {
       EXPECT_NEAR(own[3].value, k[c].at<double>(1, 2), 0.05 * own[3].sigma.value());
       EXPECT_NEAR(own[5].value, d[c].at<double>(0, 1), 0.05 * own[5].sigma.value());
     }
-    Eigen::Matrix3d turn;
-    cv::cv2eigen(r, turn);
+    const Eigen::Matrix3d turn =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.ptr<double>());
     const SE3 right_from_left = to_se3(cameras[1].rig_from_camera).inverse();
     const double turned = log_so3(turn * right_from_left.rotation.transpose()).norm();
     const Eigen::Vector3d place(t.at<double>(0), t.at<double>(1), t.at<double>(2));
