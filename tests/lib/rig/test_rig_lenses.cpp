@@ -232,6 +232,13 @@ TEST(RigLenses, StayWhereViewsDoNotTellThem) {
   options.intrinsics = RigIntrinsics::kFree;
   const auto found = solve_rig(known.seen, options);
   ASSERT_TRUE(found) << found.error().message;
+  // How well they are known is then a part of the places, as where nothing is estimated.
+  const auto held = solve_rig(known.seen);
+  ASSERT_TRUE(held);
+  for (std::size_t i = 0; i < 36; i += 7) {
+    const double variance = held->rig.cameras[1].covariance[i];
+    EXPECT_NEAR(found->rig.cameras[1].covariance[i], variance, 1e-3 * variance) << i;
+  }
   EXPECT_TRUE(says(*found, "do not tell its focal length"));
   for (std::size_t c = 0; c < 2; ++c) {
     EXPECT_EQ(found->rig.cameras[c].calibration.parameters[0].value,
