@@ -4,7 +4,12 @@
 // Intrinsics that are solved together with the places of the cameras.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iostream>
+#include <random>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
