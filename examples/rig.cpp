@@ -169,7 +169,7 @@ void name_cameras(const std::vector<std::string>& files,
   for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].calibration.camera = names[i];
 }
 
-// What was found of the lenses together with the places.
+// The lenses as RIG.json has them; a remark tells which stay as they were.
 void print_lenses(const calvin::RigSolution& solved, calvin::RigIntrinsics how) {
   if (how == calvin::RigIntrinsics::kHeld) return;
   for (const calvin::RigCamera& camera : solved.rig.cameras) {

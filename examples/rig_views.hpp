@@ -96,12 +96,12 @@ inline std::vector<std::pair<std::uint64_t, fs::path>> pictures_of(const std::st
   return numbered(pictures);
 }
 
-// What is done to the places of points once they are found, with the picture at hand; or nothing.
-using Places = calvin::Observation (*)(const calvin::ImageView&, const calvin::Observation&,
-                                       const calvin::Board&);
+// What is done to an observation once it is found, with the picture at hand; or nothing.
+using OnFound = calvin::Observation (*)(const calvin::ImageView&, const calvin::Observation&,
+                                        const calvin::Board&);
 
 inline calvin::Result<std::vector<calvin::View>> in_pictures(
-    const std::string& source, const std::vector<calvin::Board>& boards, Places places) {
+    const std::string& source, const std::vector<calvin::Board>& boards, OnFound on_found) {
 #ifdef RIG_OPENCV
   const auto detector = calvin::make_detector(boards);
   if (!detector) return tl::unexpected<calvin::Error>(detector.error());
@@ -113,8 +113,8 @@ inline calvin::Result<std::vector<calvin::View>> in_pictures(
                                      static_cast<std::ptrdiff_t>(picture.step[0]), 1};
     for (auto& found : (*detector)->detect_all(image)) {
       if (found.reason != calvin::Reason::kAccepted) continue;
-      if (places != nullptr) {
-        found.observation = places(image, found.observation, boards[found.board]);
+      if (on_found != nullptr) {
+        found.observation = on_found(image, found.observation, boards[found.board]);
       }
       found.observation.image_size = {picture.cols, picture.rows};
       found.observation.timestamp = number * kNumber;
@@ -123,7 +123,7 @@ inline calvin::Result<std::vector<calvin::View>> in_pictures(
   }
   return views;
 #else
-  static_cast<void>(places);
+  static_cast<void>(on_found);
   return calvin::make_error(
       calvin::ErrorCode::kUnsupported,
       fmt::format("'{}' are pictures, and this program was built without OpenCV, which reads "
@@ -147,11 +147,11 @@ inline calvin::Result<std::vector<calvin::View>> in_observations(const std::stri
 // Of a folder, a pattern or a file of observations.
 inline calvin::Result<std::vector<calvin::View>> read(const std::string& source,
                                                       const std::string& board,
-                                                      Places places = nullptr) {
+                                                      OnFound on_found = nullptr) {
   if (!are_pictures(source)) return in_observations(source);
   const auto boards = calvin::parse_boards(board);
   if (!boards) return tl::unexpected<calvin::Error>(boards.error());
-  return in_pictures(source, *boards, places);
+  return in_pictures(source, *boards, on_found);
 }
 
 }  // namespace rig_views

@@ -236,13 +236,13 @@ calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
   solve_views::RowsOptions rows = arguments.rows;
   const bool is_discorpy = arguments.options.method == "discorpy" && !arguments.options.refine;
   if (is_discorpy && arguments.board.starts_with("dots")) {
-    rows.places = [](const calvin::ImageView& image, const calvin::Observation& seen,
-                     const calvin::Board&) {
+    rows.on_found = [](const calvin::ImageView& image, const calvin::Observation& seen,
+                       const calvin::Board&) {
       return calvin::detect::at_thresholded_dots(image, seen);
     };
   } else if (arguments.runs > 1) {
-    rows.places = [](const calvin::ImageView& image, const calvin::Observation& seen,
-                     const calvin::Board& board) {
+    rows.on_found = [](const calvin::ImageView& image, const calvin::Observation& seen,
+                       const calvin::Board& board) {
       calvin::Observation kept = seen;
       kept.patches = calvin::cut_patches(image, seen, board);
       return kept;

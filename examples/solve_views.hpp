@@ -30,8 +30,8 @@ struct RowsOptions {
   calvin::PointRowsFormat format;
   std::optional<calvin::ImageSize> size;
   std::optional<double> diameter;  // m, of dots of rows without one
-  // What is done to the points of pictures; null: they are taken as they are found.
-  rig_views::Places places = nullptr;
+  // What is done to what is found in pictures; null: it is taken as it is.
+  rig_views::OnFound on_found = nullptr;
   // Whether u and v count from the corner of the top-left pixel, and not from its centre.
   bool from_corner = false;
 };
@@ -130,7 +130,7 @@ inline calvin::Result<NamedViews> of(const std::string& source, const std::strin
                                      const std::optional<calvin::Board>& points) {
   NamedViews named;
   if (rig_views::are_pictures(source) || are_observations(source)) {
-    auto views = rig_views::read(source, board, options.places);
+    auto views = rig_views::read(source, board, options.on_found);
     if (!views) return tl::unexpected<calvin::Error>(views.error());
     const auto files = pictures_by_time(source);
     for (calvin::View& view : *views) {

@@ -191,8 +191,9 @@ void print_times(const char* what, const std::vector<Subject>& all,
   }
 }
 
-// mrgingham is not asked for a board of its own kind: it crashes in clutter.
-void negatives(const std::vector<Subject>& all, int images, calvin::ImageSize size) {
+// Pictures without a board, looked at by all for a checkerboard, or for what they look for.
+void negatives_by(const char* title, const std::vector<Subject>& all, int images,
+                  calvin::ImageSize size) {
   const auto board = calvin::parse_board("checkerboard:9x6:25mm").value();
   std::vector<std::vector<double>> ms(all.size());
   std::vector<int> found(all.size());
@@ -204,8 +205,13 @@ void negatives(const std::vector<Subject>& all, int images, calvin::ImageSize si
       found[k] += f.observation.found();
     }
   }
-  print_times("without the board", all, ms, found);
+  print_times(title, all, ms, found);
   std::fflush(stdout);
+}
+
+// mrgingham is not asked for a board of its own kind: it crashes in clutter.
+void negatives(const std::vector<Subject>& all, int images, calvin::ImageSize size) {
+  negatives_by("without the board", all, images, size);
 }
 
 // The same pictures, looked at by ours for boards of other kinds: each beside the checkerboard.
@@ -220,19 +226,7 @@ void negatives_of_kinds(int images, calvin::ImageSize size) {
                        return by_calvin(image, own);
                      });
   }
-  std::vector<std::vector<double>> ms(all.size());
-  std::vector<int> found(all.size());
-  const auto board = calvin::parse_board("checkerboard:9x6:25mm").value();
-  for (int i = 0; i < images; ++i) {
-    const cv::Mat image = make_negative(size, static_cast<std::uint64_t>(i));
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      const Found f = all[k].look(image, board);
-      ms[k].push_back(f.ms);
-      found[k] += f.observation.found();
-    }
-  }
-  print_times("without any board", all, ms, found);
-  std::fflush(stdout);
+  negatives_by("without any board", all, images, size);
 }
 
 // A board that a hand moves, 1280x720: each frame followed from the one before, and searched.

@@ -3,13 +3,8 @@
 
 // What a person who holds a board wants to see on the video: the corners that were found, how far
 // the calibration is, and what to show next.
-//
-// The drawing comes as small bitmaps that cover only the touched parts of the frame: blending costs
-// per pixel, and a bitmap as large as the frame would cost more than everything else.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,40 +15,10 @@
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/draw/overlay_layout.hpp"
+#include "calvin/draw/overlay_tile.hpp"
 #include "calvin/session/progress.hpp"
 
 namespace calvin {
-
-// Pixels of a row of a tile.
-struct TileSpan {
-  int row = 0;
-  int first = 0;
-  int count = 0;
-  std::size_t at = 0;  // the first of them, of all that the tile holds
-};
-
-// A part of the drawing. `pixels` are 32-bit ARGB in the machine's byte order (B G R A in memory on
-// little-endian ones), premultiplied, width * height, row by row. It lies inside the frame;
-// x and y are multiples of 4, so that no chroma sample of a video frame lies in two tiles.
-struct OverlayTile {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> pixels = {};
-  // Where there are any, only the pixels in these are held, one span after another, from the top
-  // and from the left; all others are transparent, and
-  // `pixels` may be longer than it needs to be.
-  std::vector<TileSpan> spans = {};
-  // Another one for each drawing: what is made of the tile may be kept by it. 0 where nothing may.
-  std::uint64_t serial = 0;
-};
-
-// Any thread.
-[[nodiscard]] std::uint64_t next_tile_serial() noexcept;
-
-// The same tile with all of its pixels, and without spans.
-[[nodiscard]] OverlayTile whole_tile(const OverlayTile& tile);
 
 // What is left out on request, and where the panel is.
 struct OverlayParts {
@@ -77,8 +42,7 @@ struct OverlayParts {
     const std::optional<Progress>& progress, const OverlayParts& parts = {});
 
 // draw_overlay() for the frames of a video: what is as it was in the last frame is not drawn again,
-// and tiles have spans.
-// One thread at a time.
+// and tiles have spans. One thread at a time.
 class OverlayPainter {
  public:
   OverlayPainter();

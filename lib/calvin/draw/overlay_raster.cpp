@@ -217,7 +217,7 @@ void OverlayRaster::paint_tile(const OverlayBox& box) {
   planes_.begin(tile.width, tile.height);
   for (const Shape& shape : within_) paint(shape, tile.x, tile.y, planes_);
   planes_.take_painted(tile.spans);
-  if (tile.spans.empty()) tile.spans.emplace_back();  // it would hold all pixels otherwise
+  if (tile.spans.empty()) return spare_.push_back(std::move(next));
   const TileSpan& last = tile.spans.back();
   const std::size_t bytes = 4 * (last.at + static_cast<std::size_t>(last.count));
   if (tile.pixels.size() < bytes) tile.pixels.resize(bytes);

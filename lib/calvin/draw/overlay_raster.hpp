@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calvin/draw/overlay_shapes.hpp"
+#include "calvin/draw/overlay_tile.hpp"
 #include "calvin/draw/stroke_kernels.hpp"
 
 namespace calvin {
@@ -31,7 +32,8 @@ class OverlayRaster {
     std::vector<Shape> shapes;
   };
 
-  // A tile of the shapes `within_`: that of the last frame, if it had the same.
+  // A tile of the shapes `within_`: that of the last frame, if it had the same; none where no pixel
+  // is touched.
   void add_tile(const OverlayBox& box);
   void paint_tile(const OverlayBox& box);
   // What is left of the last frame.

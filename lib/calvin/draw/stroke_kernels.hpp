@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "calvin/draw/overlay.hpp"
+#include "calvin/draw/overlay_tile.hpp"
 
 namespace calvin {
 

@@ -133,7 +133,6 @@ class StampMaker {
   void add_spans(std::span<const TileSpan> spans, int y) {
     if (spans.empty()) return;
     const auto count = static_cast<int>(spans.back().at - spans.front().at) + spans.back().count;
-    if (count == 0) return;
     y += top_;
     split_pixels(&tile_.pixels[4 * spans.front().at], count, split_of(y), rows_);
     for (std::size_t p = 0; p < planes_.size(); ++p) {

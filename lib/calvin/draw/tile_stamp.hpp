@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "calvin/core/image.hpp"
-#include "calvin/draw/overlay.hpp"
+#include "calvin/draw/overlay_tile.hpp"
 
 namespace calvin {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "calvin/draw/overlay.hpp"
+#include "calvin/draw/overlay_tile.hpp"
 
 namespace calvin {
 

@@ -93,7 +93,7 @@ class Script {
       const char c = text_[at_];
       if (c == '%' || c == '#') {
         at_ = std::min(text_.find('\n', at_), text_.size());
-      } else if (c == '\'' && !is_transposed(statement)) {
+      } else if (c == '"' || (c == '\'' && !is_transposed(statement))) {
         skip_text(statement);
       } else if (text_.substr(at_).starts_with("...")) {  // the statement goes on in the next line
         at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1;
@@ -121,7 +121,8 @@ class Script {
     return c == ']' || c == ')' || c == '.' || c == '\'' || is_letter(c) || (c >= '0' && c <= '9');
   }
   void skip_text(std::string& statement) {
-    const std::size_t end = std::min(text_.find_first_of("'\n", at_ + 1), text_.size() - 1);
+    const char ends[] = {text_[at_], '\n'};
+    const std::size_t end = std::min(text_.find_first_of({ends, 2}, at_ + 1), text_.size() - 1);
     statement += text_.substr(at_, end + 1 - at_);
     at_ = end + 1;
   }

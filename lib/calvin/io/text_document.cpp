@@ -53,7 +53,8 @@ bool is_toml(std::string_view content) {
   return end != std::string_view::npos && end > 0 && trim(line.substr(end)).starts_with('=');
 }
 
-// A comment of MATLAB's, which no other syntax has, or an assignment with a semicolon behind it.
+// It begins with a comment of MATLAB's, which is no directive of YAML's, or with an assignment and
+// a semicolon behind it.
 bool is_matlab(std::string_view content) {
   if (content.starts_with("%YAML") || content.starts_with("%TAG")) return false;
   if (content.starts_with('%')) return true;
@@ -62,6 +63,13 @@ bool is_matlab(std::string_view content) {
   const auto equals = line.find('=');
   return equals != std::string_view::npos && line.ends_with(';') &&
          line.find_first_of("{:<\"") > equals;
+}
+
+// Of any version of MATLAB that begins with words, or of Octave.
+bool is_binary_mat(std::string_view content) {
+  const std::string_view begin = content.substr(0, 32);
+  return (begin.starts_with("MATLAB ") && begin.find("MAT-file") != std::string_view::npos) ||
+         begin.starts_with("Octave-1-");
 }
 
 bool is_octave(std::string_view content) {
@@ -90,10 +98,10 @@ Result<Node> parse_text_document(std::string_view content) {
   if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) {
     return make_error(ErrorCode::kMalformed, "it is UTF-16 text: save it as UTF-8");
   }
-  if (content.starts_with("MATLAB 5.0 MAT-file") || content.starts_with("Octave-1-")) {
+  if (is_binary_mat(content)) {
     return make_error(ErrorCode::kMalformed,
-                      "it is a binary file of MATLAB's: give the script that the toolbox writes "
-                      "beside it (Calib_Results.m), or save it as text by Octave "
+                      "it is a binary file of MATLAB's or Octave's: give the script that Bouguet's "
+                      "toolbox writes beside it (Calib_Results.m), or save it as text by Octave "
                       "(load Calib_Results.mat; save -text Calib_Results.txt)");
   }
   if (const auto control = std::find_if(content.begin(), content.end(), is_control);

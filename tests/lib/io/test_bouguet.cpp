@@ -56,7 +56,7 @@ TEST(Bouguet, HasItsOwnDeviations) {
 TEST(Bouguet, PassesOverWhatElseAScriptDoes) {
   const auto read = parse_calibration(
       "fc = [ 1 2 3 ]; % that is overwritten\n"
-      "name = 'a;b [ % no comment'; fc = [520, ...\n 518]';\n"
+      "name = 'a;b [ % no comment'; other = \"[ % ;\"; fc = [520, ...\n 518]';\n"
       "if nx > 0, disp('x'); end\nKK = [fc(1) alpha_c*fc(1) cc(1);0 fc(2) cc(2) ; 0 0 1];\n"
       "cc = [ 325 ; 236 ]; kc = zeros(5,1);\nkc = [\n -0.28\n 0.09\n 0\n 0\n]; nx = 640; ny = 480");
   ASSERT_TRUE(read) << read.error().message;
@@ -80,6 +80,7 @@ TEST(Bouguet, SaysWhatIsWrong) {
       {"% nothing but a comment\n", "none of the fields"},
       {"fc = [ 500 ; 500 ];\ncc = [ 320 ; 240 ];\n", "'nx'"},
       {std::string("MATLAB 5.0 MAT-file, Platform: PCWIN\0\0\1", 39), "Calib_Results.m"},
+      {std::string("MATLAB 7.3 MAT-file, Platform: GLNXA64\0\0", 40), "Calib_Results.m"},
       {"# name: fc\n# type: matrix\n# rows: 2\n# columns: 1\n 500\n", "none of the fields"},
   };
   for (const Broken& broken : cases) {

@@ -63,8 +63,8 @@ void blob_row(const std::uint8_t* at, std::ptrdiff_t stride, bool light, std::ui
   (light ? blob_row_of<true> : blob_row_of<false>)(at, stride, out, count);
 }
 
-// Which responses are at least `threshold` and no less than what is around them; of
-// equal ones the first.
+// Which responses are at least `threshold` and no less than what is around them; of equal ones the
+// first.
 template <class D>
 HWY_INLINE hn::Mask<D> peaks_at(D d, const std::uint8_t* at, std::ptrdiff_t width,
                                 hn::Vec<D> least) {
@@ -81,7 +81,7 @@ HWY_INLINE hn::Mask<D> peaks_at(D d, const std::uint8_t* at, std::ptrdiff_t widt
     if (dx < 0) before = hn::Max(before, hn::LoadU(d, at + dx));
     if (dx > 0) after = hn::Max(after, hn::LoadU(d, at + dx));
   }
-  // More than those before it, which are less than 255 where there is a threshold.
+  // More than all before it.
   const auto is_first = hn::Not(hn::Eq(hn::Max(before, own), before));
   return hn::And(is_strong, hn::And(is_first, hn::Eq(hn::Max(after, own), own)));
 }

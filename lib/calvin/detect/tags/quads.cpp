@@ -120,8 +120,9 @@ std::size_t farthest(std::span<const EdgePoint> edge, Value value) {
 std::size_t farthest_from(std::span<const EdgePoint> edge, std::int64_t x, std::int64_t y,
                           std::int64_t count) {
   return farthest(edge, [=](const EdgePoint& p) {
-    const std::int64_t dx = count * p.x - x;
-    const std::int64_t dy = count * p.y - y;
+    // Whole numbers still, and too large for 64 bits in pictures of tens of thousands of pixels.
+    const auto dx = static_cast<double>(count * p.x - x);
+    const auto dy = static_cast<double>(count * p.y - y);
     return dx * dx + dy * dy;
   });
 }

@@ -204,7 +204,7 @@ class TagReader::Cells {
   double spread_;  // cells
   double around_;  // cells
   bool is_inside_;
-  std::array<double, static_cast<std::size_t>(kMostCells* kMostCells)> border_greys_;
+  std::array<double, std::size_t{kMostCells} * kMostCells> border_greys_;
   Plane dark_;   // of the border
   Plane light_;  // of what is around it
   double contrast_ = 0;

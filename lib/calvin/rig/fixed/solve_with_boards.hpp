@@ -17,11 +17,12 @@ struct BoardsSolve {
   std::vector<BoardOnBody> boards;  // by BoardView::own_board
 };
 
-// Of a problem with InstantsOf::kTwoViews. How boards lie to each other is found from pictures that
-// show several of them, then with all places in one least squares; of boards whose relation no
-// picture shows each is carried by itself. kInvalidArgument for two boards that are alike in one
-// picture; kDegenerate where cameras cannot be placed because no picture shows two boards, and
-// where the views leave open how boards are fixed; else errors are those of solve_with_clocks().
+// Of a problem with InstantsOf::kTwoViews or kAny. How boards lie to each other is found from
+// pictures that show several of them, then with all places in one least squares; of boards whose
+// relation no picture shows each is carried by itself. kInvalidArgument for two boards that are
+// alike in one picture; kDegenerate where cameras cannot be placed because no picture shows two
+// boards, and where the views leave open how boards are fixed; else errors are those of
+// solve_with_clocks().
 [[nodiscard]] Result<BoardsSolve> solve_with_boards(const JointProblem& problem,
                                                     const std::stop_token& stop);
 

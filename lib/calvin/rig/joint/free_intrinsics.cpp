@@ -60,7 +60,8 @@ bool has_sigmas(const Calibration& calibration) {
                              [](const Parameter& p) { return p.sigma.has_value(); });
 }
 
-// The covariance of the sigmas alone, where the file has no other.
+// The covariance of sigmas alone, where a file has no other. As a prior it is too weak rather than
+// too strong, for errors of the parameters of a lens make up for each other.
 Eigen::MatrixXd of_sigmas(const Calibration& calibration, const ParameterTable& table,
                           std::size_t camera) {
   const ParameterRange range = table.intrinsics(camera);
