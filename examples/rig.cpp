@@ -18,6 +18,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/camera_baselines.hpp"
 #include "calvin/io/rig_io.hpp"
+#include "calvin/io/rig_world.hpp"
 #include "calvin/rig/moved_camera.hpp"
 #include "calvin/rig/solve_rig.hpp"
 
@@ -47,6 +48,9 @@ journal of calibsolve). Pictures with the same number in their names were taken 
                   with their sigmas, for pictures that they were not made from. free: these pictures
                   alone tell, those that one camera has seen by itself included. The lenses that are
                   found are in RIG.json
+  --world FRAME   the frame of the rig: a camera's name, board (where it was at the first picture,
+                  which may be the floor), board:N (at picture N, or at that second) or board:last.
+                  Quarter turns of its axes may follow: board:x180 has z up from a board on the floor
   --tolerance MS  how far observations of one instant may be apart, 10 if not given
   --baseline A:B:DISTANCE[:SIGMA],...
                   known distances between cameras, as left:right:110.03mm:0.05mm; of two cameras
@@ -114,6 +118,13 @@ std::optional<Arguments> parse(std::span<char*> given) {
         return std::nullopt;
       }
       arguments.options.baselines = *std::move(baselines);
+    } else if (word == "--world" && has_value) {
+      auto world = calvin::parse_rig_world(given[++i]);
+      if (!world) {
+        wrong_usage(world.error().message);
+        return std::nullopt;
+      }
+      arguments.options.world = *std::move(world);
     } else if (word == "--board-sigma" && has_value) {
       constexpr double kPercent = 0.01;
       const auto percent = calvin::parse_double(given[++i]);

@@ -13,6 +13,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/camera_baselines.hpp"
 #include "calvin/io/camera_places.hpp"
+#include "calvin/io/rig_world.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/rig/solve_light.hpp"
 #include "calvin/session/rig/rig_exports.hpp"
@@ -73,7 +74,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
 
 }  // namespace
 
-const Property<RigSolver> kRigProperties[15] = {
+const Property<RigSolver> kRigProperties[16] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -119,6 +120,13 @@ const Property<RigSolver> kRigProperties[15] = {
      "exactly)",
      kept_in<&RigSettings::board_sigma>,
      {.range = Range{0, 1}, .flags = kMutableReady}},
+    {"world",
+     "World",
+     "The frame of the rig: the name of a camera, board (where it was at the first instant), "
+     "board:SECONDS or board:last, and quarter turns of the axes, as board:x180 with z up from a "
+     "board on the floor; none: the first camera, and with mode=floor the board",
+     kept_in<&RigSettings::world>,
+     {.flags = kMutableReady}},
     {"fixed-boards",
      "Fixed Boards",
      "Whether the boards are fixed to each other, as on the sides of a box: cameras that see "
@@ -170,6 +178,8 @@ Status RigSolver::start() {
   if (!baselines) return tl::unexpected(baselines.error());
   auto light = light_options(now, *baselines);
   if (!light) return tl::unexpected(light.error());
+  auto world = parse_rig_world(now.world);
+  if (!world) return tl::unexpected(world.error());
   if (!now.location.empty()) {
     if (const Status writable = can_write(now.location); !writable) {
       post_warning(element_, writable.error());
@@ -185,6 +195,7 @@ Status RigSolver::start() {
     session.options.board_sigma = now.board_sigma;
     session.options.fixed_boards = now.fixed_boards;
     session.options.intrinsics = now.intrinsics;
+    session.options.world = *std::move(world);
     session.method = now.method;
     session.light = *std::move(light);
     session_.start(std::move(session));

@@ -35,6 +35,7 @@ struct RigSettings {
   std::string exports;  // "FORMAT:PATH,...", as parse_rig_exports() takes it
   guint64 tolerance = 10 * GST_MSECOND;
   std::string baseline;  // known distances, as parse_camera_baselines() takes them
+  std::string world;     // the frame, as parse_rig_world() takes it
   double board_sigma = RigOptions().board_sigma;
   bool fixed_boards = false;
   RigIntrinsics intrinsics = RigIntrinsics::kHeld;
@@ -166,6 +167,6 @@ class RigSolver : public SharedSettings<RigSettings> {
   Worker reader_;
 };
 
-extern const Property<RigSolver> kRigProperties[15];
+extern const Property<RigSolver> kRigProperties[16];
 
 }  // namespace calvin::gst

@@ -55,6 +55,10 @@ Status check_mode(const RigJob& job, RigModeChoice mode) {
                                   "are linked: name two, as baseline=cam0:cam1:110mm.",
                                   linked));
   }
+  if (job.light && job.options.world) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "Before a light places give the frame of the rig, and not world.");
+  }
   if (job.light && !job.options.baselines.empty() && job.light->places.empty()) {
     return make_error(ErrorCode::kInvalidArgument,
                       "Before a light one known distance, with the names of its cameras, gives the "

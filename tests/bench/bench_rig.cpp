@@ -232,7 +232,7 @@ class FitAlone {
     start_ = peer.start(views_, cameras_.size());
   }
   [[nodiscard]] rig::RigFit run() const {
-    return rig::fit_rig(views_, start_, seen_, cameras_, {}).value();
+    return rig::fit_rig(views_, start_, seen_, cameras_, {}, {}).value();
   }
 
  private:

@@ -55,6 +55,12 @@ expect 0 'does not say how well they are known' "$rig" --estimate-intrinsics pri
   right.json right.jsonl
 expect 2 'with a prior, or free' "$rig" --estimate-intrinsics magic rig.json left.json left.jsonl right.json right.jsonl
 expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.json right.jsonl
+# Frames: of the other camera, of the board where it was last, with z up.
+expect 0 "'left' at -100.0 [-0.0 ]*mm of 'right'" "$rig" --world right rig.json left.json left.jsonl right.json right.jsonl
+expect 0 "mm of 'board' (+-" "$rig" --world board:last:x180 rig.json left.json left.jsonl right.json right.jsonl
+grep -q '"world": "board"' rig.json || fail 'the frame is not that of the board'
+expect 1 "none of its cameras" "$rig" --world middle rig.json left.json left.jsonl right.json right.jsonl
+expect 2 "board:x180" "$rig" --world board:x45 rig.json left.json left.jsonl right.json right.jsonl
 
 sed 's/"pinhole"/"brown5"/; s/"cy": 240/"cy": 240, "k1": 0, "k2": 0, "p1": 0, "p2": 0, "k3": 0.001/' left.json >five.json
 

@@ -95,6 +95,22 @@ struct CameraBaseline {
   double sigma = 0;     // m; 0: exactly
 };
 
+// A frame that a rig is to have. Its axes may be turned by quarters, one turn after the other, each
+// about an axis as it is then: of a board x points to the right, y down and z into it, so that half
+// a turn about x lets z point up where the board lies on the floor.
+struct RigWorld {
+  struct Turn {
+    int axis = 0;      // 0: x, 1: y, 2: z
+    int quarters = 0;  // counter-clockwise, as seen from where the axis points
+  };
+
+  std::string camera;  // its frame; empty: that of a board
+  // Where a board was that was carried: at the instant next to that time of its pictures, s, at
+  // the last one for infinity. Absent: at the first one.
+  std::optional<double> time;
+  std::vector<Turn> turns;
+};
+
 // The two cameras of a stereo pair, and the one pinhole that the rectified pictures of both have:
 // rows correspond, or columns where the pair stands one above the other.
 struct RectifiedPair {
@@ -112,7 +128,8 @@ struct RectifiedPair {
   double cy = 0;
 };
 
-// The frame of the rig is that of the board that all cameras have seen.
+// The frame of the rig is that of a board: the one that all cameras have seen where it lies still,
+// or the one that was chosen of those that were carried.
 inline constexpr const char* kBoardWorld = "board";
 // The frame of the rig is that in which the places of its cameras were known.
 inline constexpr const char* kPlacesWorld = "places";

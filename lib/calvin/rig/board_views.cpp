@@ -59,6 +59,10 @@ bool find_poses(BoardView& view, const Camera& camera, const CameraPoints& point
   return true;
 }
 
+Eigen::Vector3d middle_of(const BoardArea& area) {
+  return {0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom), 0};
+}
+
 // Which of the boards that were seen before a board is; a new one is added.
 std::size_t number_of(const Board& board, std::vector<Board>& boards) {
   const auto known = std::ranges::find(boards, board);
@@ -154,7 +158,16 @@ Result<std::vector<BoardView>> checked_views(const std::vector<RigCameraViews>& 
       }
       const std::size_t board = number_of(view.board, boards);
       if (board == points.size()) points.push_back(view.board.points());
-      all.push_back({{c, v}, board, {}, 1, {}, labellings_of(view), {}, {}, board});
+      all.push_back({{c, v},
+                     board,
+                     {},
+                     1,
+                     {},
+                     labellings_of(view),
+                     {},
+                     {},
+                     board,
+                     middle_of(view.board.extent())});
       sets.push_back(to_points(view.board, points[board], view.observation));
     }
   }

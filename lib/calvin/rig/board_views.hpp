@@ -11,6 +11,8 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/geometry/se3.hpp"
@@ -35,6 +37,7 @@ struct BoardView {
   std::vector<SE3> poses;
   std::vector<Pixel> velocity;  // px/s, of the corners of `seen`; empty where it is not known
   std::size_t own_board = 0;    // equal for views of one board
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of its points, m
 };
 
 // The motions of the board frame that go with Observation::ambiguous; the first one is the

@@ -102,6 +102,7 @@ std::string moved_cameras(const std::vector<RigCameraViews>& seen, RigOptions op
   // Both halves are compared in the lengths of the boards.
   options.baselines.clear();
   options.intrinsics = RigIntrinsics::kHeld;
+  options.world.reset();
   const auto instants = pair_instants(seen, options.tolerance).instants;
   if (instants.size() < 4) return "";
   // Half of the tolerance ahead: the pictures of an instant stay together.

@@ -25,6 +25,7 @@
 #include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/rig/lenses/solve_with_lenses.hpp"
 #include "calvin/rig/result/fixed_board_result.hpp"
+#include "calvin/rig/result/rig_frame.hpp"
 #include "calvin/rig/result/rig_links.hpp"
 #include "calvin/rig/result/rig_result.hpp"
 #include "calvin/rig/result/shown_boards.hpp"
@@ -91,31 +92,42 @@ double cell_of(const std::vector<RigCameraViews>& seen) {
   return 0;
 }
 
-// Moves the cameras to where known distances have them, if there are any. `covariance` is over
-// their turns and places.
+// Moves the cameras to where known distances have them, if there are any.
 Status set_scale(const std::vector<RigCameraViews>& seen, const RigOptions& options,
-                 std::vector<SE3>& camera_from_rig, Eigen::MatrixXd& covariance,
-                 RigSolution& solution) {
+                 rig::PlacedCameras& frames, RigSolution& solution) {
   if (options.baselines.empty()) return {};
   const std::vector<std::string> names = names_of(seen);
   const auto distances = rig::known_distances(options.baselines, names);
   if (!distances) return tl::unexpected<Error>(distances.error());
-  rig::PlacedCameras placed = {{}, covariance};
-  for (const SE3& pose : camera_from_rig) placed.rig_from_camera.push_back(pose.inverse());
-  const auto scaled = rig::scale_by(placed, *distances, options.board_sigma);
+  const auto scaled = rig::scale_by(frames, *distances, options.board_sigma);
   if (!scaled) {
     return make_error(ErrorCode::kInvalidArgument,
                       "The known distances between cameras contradict each other: give them "
                       "sigmas, or leave some out.");
   }
-  for (std::size_t c = 0; c < camera_from_rig.size(); ++c) {
-    camera_from_rig[c] = scaled->cameras.rig_from_camera[c].inverse();
-  }
-  covariance = scaled->cameras.covariance;
+  frames = scaled->cameras;
   solution.board_scale = BoardScale{scaled->scale, scaled->sigma};
   const auto remarks = rig::scale_remarks(*scaled, *distances, names, cell_of(seen));
   solution.remarks.insert(solution.remarks.end(), remarks.begin(), remarks.end());
   return {};
+}
+
+// The frame that is asked for, of a rig whose cameras stand as `frames` has them.
+void set_frame(const RigOptions& options, rig::PlacedCameras frames, RigSolution& solution) {
+  if (!options.world) return;
+  solution.as_solved = solution.rig;
+  Rig& rig = solution.rig;
+  std::vector<std::string> names;
+  for (const RigCamera& camera : rig.cameras) names.push_back(camera.calibration.camera);
+  rig::move_boards(rig::set_world(*options.world, names, frames), rig.boards);
+  rig::set_places(frames, rig.cameras);
+  rig.world = options.world->camera.empty() ? kBoardWorld : options.world->camera;
+}
+
+std::vector<SE3> inverses(const std::vector<SE3>& poses) {
+  std::vector<SE3> all;
+  for (const SE3& pose : poses) all.push_back(pose.inverse());
+  return all;
 }
 
 // ---- Jointly ------------------------------------------------------------------------------------
@@ -152,7 +164,10 @@ Result<RigSolution> solve_joined(const std::vector<RigCameraViews>& seen,
     }
   }
   options.is_partial = false;
-  const auto dropped = rig::drop_unknown(options.baselines, names_of(left));
+  auto dropped = rig::drop_unknown(options.baselines, names_of(left));
+  if (options.world && !rig::check_world(*options.world, names_of(left))) {
+    dropped.push_back(rig::drop_world(options.world));
+  }
   auto solution = solve_jointly(left, their_cameras, options, stop);
   if (!solution) return solution;
   solution->left_out = std::move(left_out);
@@ -208,8 +223,10 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
-  auto solved = solve_all({seen, cameras, *std::move(views), names_of(seen), options.tolerance, of},
-                          options, stop);
+  const RigWorld* world = options.world ? &*options.world : nullptr;
+  auto solved = solve_all(
+      {seen, cameras, *std::move(views), names_of(seen), options.tolerance, of, {nullptr, world}},
+      options, stop);
   if (!solved) return tl::unexpected<Error>(solved.error());
   const rig::JointSolve& one = solved->boards.joint;
   rig::RigFit& fit = solved->boards.joint.fit;
@@ -219,17 +236,18 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   solution.rig.world = seen.front().calibration.camera;
   solution.rig.rms = fit.rms;
   solution.rig.pairing_tolerance = options.tolerance;
-  Eigen::MatrixXd covariance = rig::in_rig_frame(fit.covariance, fit.places.camera_from_rig);
-  const Status scaled = set_scale(seen, options, fit.places.camera_from_rig, covariance, solution);
+  rig::PlacedCameras frames = rig::frames_of(fit);
+  const Status scaled = set_scale(seen, options, frames, solution);
   if (!scaled) return tl::unexpected<Error>(scaled.error());
-  rig::set_cameras(solved->calibrations, fit.places.camera_from_rig, covariance, fit.camera_rms,
-                   solution.rig);
-  set_offsets(one, solution);
+  solution.links =
+      rig::links_of(one, solved->cameras, inverses(frames.rig_from_camera), frames.covariance);
   const double scale = solution.board_scale ? solution.board_scale->scale : 1;
   solution.rig.boards = rig::shown_boards(seen, one.views, fit.places, scale);
+  rig::set_cameras(solved->calibrations, frames, fit.camera_rms, solution.rig);
+  set_offsets(one, solution);
+  set_frame(options, std::move(frames), solution);
   rig::set_fixed_boards(seen, solved->boards, scale, solution.rig, solution.remarks);
   for (const std::size_t view : fit.rejected) solution.rejected.push_back(one.views[view].of);
-  solution.links = rig::links_of(one, solved->cameras, fit.places.camera_from_rig, covariance);
   solution.weakest = rig::weakest_of(solution.links);
   return solution;
 }
@@ -278,10 +296,9 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
     return turned_floor();
   }
   RigSolution solution;
-  std::vector<SE3> camera_from_rig;
   std::vector<double> rms;
   const auto count = kPose * static_cast<Eigen::Index>(cameras.size());
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  rig::PlacedCameras frames = {{}, Eigen::MatrixXd::Zero(count, count)};
   double squares = 0;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     std::vector<BoardView> own;
@@ -289,27 +306,30 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
                          [&](const BoardView& view) { return view.of.camera == c; });
     const auto pose = rig::floor_pose(own, seen[c].calibration, cameras[c]);
     if (!pose) return tl::unexpected<Error>(pose.error());
-    camera_from_rig.push_back(pose->camera_from_board);
+    frames.rig_from_camera.push_back(pose->camera_from_board.inverse());
     rms.push_back(pose->rms);
     squares += pose->rms * pose->rms;
     const auto at = kPose * static_cast<Eigen::Index>(c);
-    covariance.block(at, at, kPose, kPose) = pose->covariance;
+    frames.covariance.block(at, at, kPose, kPose) = pose->covariance;
     for (std::string& remark : rig::floor_remarks(*pose, seen[c].calibration.camera)) {
       solution.remarks.push_back(std::move(remark));
     }
   }
-  const Status scaled = set_scale(seen, options, camera_from_rig, covariance, solution);
+  const Status scaled = set_scale(seen, options, frames, solution);
   if (!scaled) return tl::unexpected<Error>(scaled.error());
   solution.rig.world = kBoardWorld;
   solution.rig.rms = std::sqrt(squares / static_cast<double>(cameras.size()));
-  rig::set_cameras(calibrations_of(seen), camera_from_rig, covariance, rms, solution.rig);
   const RigView& first = views->front().of;
   solution.rig.boards = {{seen[first.camera].views[first.view].board.text(), {}}};
+  const std::vector<SE3> camera_from_rig = inverses(frames.rig_from_camera);
   for (std::size_t a = 0; a < cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < cameras.size(); ++b) {
-      solution.links.push_back(rig::link_between(a, b, camera_from_rig, covariance));
+      solution.links.push_back(rig::link_between(a, b, camera_from_rig, frames.covariance));
     }
   }
+  rig::set_cameras(calibrations_of(seen), frames, rms, solution.rig);
+  rig::add_own_frame(frames);
+  set_frame(options, std::move(frames), solution);
   return solution;
 }
 
@@ -319,6 +339,10 @@ Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras, const 
                               std::stop_token stop) {
   const auto known = cameras_of(cameras, options.mode);
   if (!known) return tl::unexpected<Error>(known.error());
+  if (options.world) {
+    const Status good = rig::check_world(*options.world, names_of(cameras));
+    if (!good) return tl::unexpected<Error>(good.error());
+  }
   try {
     return options.mode == RigMode::kFloor ? solve_by_floor(cameras, *known, options)
                                            : solve_jointly(cameras, *known, options, stop);
@@ -328,7 +352,7 @@ Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras, const 
 }
 
 Rig in_board_lengths(const RigSolution& solution) {
-  Rig rig = solution.rig;
+  Rig rig = solution.as_solved.value_or(solution.rig);
   const double scale = solution.board_scale ? solution.board_scale->scale : 1;
   for (RigCamera& camera : rig.cameras) {
     for (double& x : camera.rig_from_camera.translation) x /= scale;

@@ -48,6 +48,8 @@ struct RigOptions {
   // are then joined that have seen different ones of them at one time.
   bool fixed_boards = false;
   RigIntrinsics intrinsics = RigIntrinsics::kHeld;  // kJoint
+  // The frame of the rig; absent: as `mode` says.
+  std::optional<RigWorld> world = {};
 };
 
 // A camera that is not in the rig.
@@ -71,18 +73,21 @@ struct RigSolution {
   std::vector<LeftOutCamera> left_out;
   std::optional<BoardScale> board_scale;  // absent without known distances
   std::vector<std::string> remarks;       // sentences for the user
+  // Where another frame was asked for: the rig in that of its first camera, or of the floor, where
+  // errors of the world are no part of what is known of the cameras.
+  std::optional<Rig> as_solved;
 };
 
 // The same views give the same numbers. kInvalidArgument for fewer than two cameras (one before a
 // floor), names that are missing or there twice, broken calibrations or views, and known distances
-// that are none of these cameras; kDegenerate where the views leave open where a camera stands: the
-// message says which, and what to show.
+// or a world that are none of these cameras; kDegenerate where the views leave open where a camera
+// stands: the message says which, and what to show.
 [[nodiscard]] CALVIN_API Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras,
                                                        const RigOptions& options = {},
                                                        std::stop_token stop = {});
 
-// The rig in the lengths that boards are said to have, as the views of boards are to be held
-// against it: where known distances have not scaled it, as it is.
+// The rig as the views of boards are to be held against it: in the frame of the solve, and in the
+// lengths that boards are said to have.
 [[nodiscard]] Rig in_board_lengths(const RigSolution& solution);
 
 // One line: "'left' and 'right': 13 views, 99.3 mm apart (+-0.2), axes at 0.4 degrees, ...".

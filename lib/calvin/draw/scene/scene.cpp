@@ -61,9 +61,24 @@ std::string text_of(double length, bool is_metric) {
                         : fmt::format("{:g} mm", 1000 * length);
 }
 
+// Away from the board, to where the cameras are that have seen it. Of a board that is -z, and where
+// its axes were turned the one with all of them.
+Eigen::Vector3d up_of_board(const Rig& rig) {
+  constexpr double kSides[] = {-1, 1};
+  for (const int axis : {2, 1, 0}) {
+    for (const double side : kSides) {
+      const bool has_all = std::ranges::all_of(rig.cameras, [&](const RigCamera& camera) {
+        return side * camera.rig_from_camera.translation[static_cast<std::size_t>(axis)] > 0;
+      });
+      if (has_all) return side * Eigen::Vector3d::Unit(axis);
+    }
+  }
+  return -Eigen::Vector3d::UnitZ();
+}
+
 // Against the mean of where the cameras' pictures have their lower sides, or away from the board.
 Eigen::Vector3d up_of(const Rig& rig) {
-  if (is_of_board(rig)) return -Eigen::Vector3d::UnitZ();
+  if (is_of_board(rig)) return up_of_board(rig);
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (const RigCamera& camera : rig.cameras) up -= to_se3(camera.rig_from_camera).rotation.col(1);
   return up.norm() > 1e-3 ? Eigen::Vector3d(up.normalized()) : -Eigen::Vector3d::UnitY();

@@ -41,7 +41,7 @@ Result<JointSolve> solve(const JointProblem& problem, std::vector<BoardView> vie
   auto places = place_all(one.views, groups, problem.cameras, one.links, problem.names, fewest);
   if (!places) return tl::unexpected<Error>(places.error());
   auto fit =
-      fit_rig(one.views, *std::move(places), problem.seen, problem.cameras, problem.free, stop);
+      fit_rig(one.views, *std::move(places), problem.seen, problem.cameras, problem.wishes, stop);
   if (!fit) return tl::unexpected<Error>(fit.error());
   one.fit = *std::move(fit);
   return one;

@@ -21,7 +21,7 @@ struct JointProblem {
   std::vector<std::string> names;  // of the cameras
   std::uint64_t tolerance = 0;     // ns
   InstantsOf instants = InstantsOf::kTwoCameras;
-  const FreeIntrinsics* free = nullptr;  // intrinsics to be estimated; none: all are held
+  RigFitWishes wishes = {};
 };
 
 struct JointSolve {

@@ -96,7 +96,7 @@ class HandEyeSolver {
                              covariance_of_intrinsics(problem.table(), calibrations));
     if (!places) return std::nullopt;
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(information->rows(), information->rows());
-    all.block(free.first, free.first, free.count, free.count) = *places;
+    all.block(free.first, free.first, free.count, free.count) = places->of_places;
     return all;
   }
 

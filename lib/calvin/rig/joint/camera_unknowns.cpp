@@ -81,7 +81,7 @@ Eigen::MatrixXd covariance_of_intrinsics(const ParameterTable& table,
   return all;
 }
 
-std::optional<Eigen::MatrixXd> covariance_of_places(const Eigen::MatrixXd& information,
+std::optional<PlaceCovariance> covariance_of_places(const Eigen::MatrixXd& information,
                                                     const ParameterRange& places, double variance,
                                                     const Eigen::MatrixXd& of_intrinsics) {
   const Eigen::Index first = places.first;
@@ -91,7 +91,11 @@ std::optional<Eigen::MatrixXd> covariance_of_places(const Eigen::MatrixXd& infor
   if (factors.info() != Eigen::Success || !factors.isPositive()) return std::nullopt;
   const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(count, count));
   const Eigen::MatrixXd moved = factors.solve(information.block(first, 0, count, first));
-  return variance * inverse + moved * of_intrinsics.topLeftCorner(first, first) * moved.transpose();
+  PlaceCovariance covariance;
+  covariance.of_intrinsics = of_intrinsics.topLeftCorner(first, first);
+  covariance.with_intrinsics = -moved * covariance.of_intrinsics;
+  covariance.of_places = variance * inverse - covariance.with_intrinsics * moved.transpose();
+  return covariance;
 }
 
 }  // namespace calvin::rig

@@ -36,11 +36,18 @@ namespace calvin::rig {
 [[nodiscard]] Eigen::MatrixXd covariance_of_intrinsics(
     const ParameterTable& table, const std::vector<RigCameraViews>& calibrations);
 
+// How well places are known, beside the intrinsics.
+struct PlaceCovariance {
+  Eigen::MatrixXd of_places;
+  Eigen::MatrixXd with_intrinsics;  // of a place and an intrinsic parameter: a column for each
+  Eigen::MatrixXd of_intrinsics;
+};
+
 // The covariance of unknowns that stand behind all intrinsics: by the noise of the corners, of
 // `variance` px^2, and by that of the intrinsics, which move the optimum by -H_pp^-1 H_pi of their
 // own error (the implicit function of the gradient). `information` is over all unknowns, for
 // residuals of 1 px. Absent where it does not determine the unknowns.
-[[nodiscard]] std::optional<Eigen::MatrixXd> covariance_of_places(
+[[nodiscard]] std::optional<PlaceCovariance> covariance_of_places(
     const Eigen::MatrixXd& information, const ParameterRange& places, double variance,
     const Eigen::MatrixXd& of_intrinsics);
 

@@ -12,7 +12,6 @@
 
 #include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
-#include "calvin/rig/joint/camera_unknowns.hpp"
 
 namespace calvin::rig {
 
@@ -133,8 +132,17 @@ IntrinsicsStep intrinsics_step(const BundleProblem::Reduced& equations, const Fr
   const Eigen::MatrixXd moved =
       product(inverse, transposed_product(basis, equations.information.leftCols(first)) / variance);
   const Eigen::MatrixXd covariance = inverse + congruent(free.held, moved.transpose());
+  // Errors of the intrinsics are those along the directions and those of what is held.
+  const Eigen::MatrixXd with_held = -product(moved, free.held);
+  const Eigen::MatrixXd with_intrinsics =
+      product(covariance.leftCols(count), free.directions.transpose()) + with_held;
+  const Eigen::MatrixXd mixed = product(free.directions, with_held.topRows(count));
+  PlaceCovariance known = {
+      covariance.bottomRightCorner(places, places), with_intrinsics.bottomRows(places),
+      congruent(covariance.topLeftCorner(count, count), free.directions.transpose()) + mixed +
+          mixed.transpose() + free.held};
   return {-(inverse * gradient).head(count), covariance.topLeftCorner(count, count),
-          covariance.bottomRightCorner(places, places)};
+          std::move(known)};
 }
 
 }  // namespace calvin::rig

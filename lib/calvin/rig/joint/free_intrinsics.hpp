@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/rig/joint/camera_unknowns.hpp"
 #include "calvin/rig/rig_views.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 
@@ -41,9 +42,10 @@ struct FreeIntrinsics {
 
 // From the optimum of the places for intrinsics as `free` has them to that of all.
 struct IntrinsicsStep {
-  Eigen::VectorXd step;       // of z
-  Eigen::MatrixXd of_z;       // covariance
-  Eigen::MatrixXd of_places;  // of the places of all cameras but the first, as RigFit has it
+  Eigen::VectorXd step;  // of z
+  Eigen::MatrixXd of_z;  // covariance
+  // Of the places of all cameras but the first, as RigFit has it, and of the intrinsics.
+  PlaceCovariance known;
 };
 
 // One step of Gauss-Newton. `equations`: over the intrinsics and the places of all cameras, for

@@ -47,20 +47,22 @@ void add_rms(const std::vector<BoardView>& views, const RigSolver& solver,
 
 // Of the places of all cameras but the first. The equations over intrinsics as well are made where
 // something is known of how well these are known.
-std::optional<Eigen::MatrixXd> place_covariance(RigSolver& solver,
+std::optional<PlaceCovariance> place_covariance(RigSolver& solver,
                                                 const std::vector<RigCameraViews>& calibrations,
-                                                const std::vector<Camera>& cameras,
-                                                double variance) {
-  const bool are_exact = std::ranges::all_of(calibrations, [](const RigCameraViews& camera) {
-    return camera.calibration.covariance.empty();
-  });
-  const ParameterTable table = are_exact ? table_of_places(cameras) : table_of(cameras);
+                                                const ParameterTable& table, double variance) {
+  const std::size_t cameras = table.cameras();
+  const bool are_exact = table.intrinsics(0).empty();
   const auto equations = are_exact ? solver.equations() : solver.equations_over(table);
   if (!equations) return std::nullopt;
-  const ParameterRange places = {table.rig_pose(1).first,
-                                 kPose * static_cast<int>(cameras.size() - 1)};
+  const ParameterRange places = {table.rig_pose(1).first, kPose * static_cast<int>(cameras - 1)};
   return covariance_of_places(equations->information, places, variance,
                               covariance_of_intrinsics(table, calibrations));
+}
+
+bool are_exact(const std::vector<RigCameraViews>& calibrations) {
+  return std::ranges::all_of(calibrations, [](const RigCameraViews& camera) {
+    return camera.calibration.covariance.empty();
+  });
 }
 
 tl::unexpected<Error> undetermined() {
@@ -73,21 +75,27 @@ tl::unexpected<Error> undetermined() {
 
 Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
                        const std::vector<RigCameraViews>& calibrations,
-                       const std::vector<Camera>& cameras, const FreeIntrinsics* free,
+                       const std::vector<Camera>& cameras, const RigFitWishes& wishes,
                        const std::stop_token& stop) {
   RigSolver solver(views, std::move(from), cameras, stop);
   if (const Status solved = solver.run(); !solved) return tl::unexpected<Error>(solved.error());
   RigFit fit;
   const double variance = solver.variance();
-  if (free == nullptr) {
-    const auto covariance = place_covariance(solver, calibrations, cameras, variance);
-    if (!covariance) return undetermined();
-    fit.covariance = *covariance;
-  } else {
-    const auto equations = solver.equations_over(table_of(cameras));
-    if (!equations) return undetermined();
-    fit.intrinsics = intrinsics_step(*equations, *free, variance);
-    fit.covariance = fit.intrinsics->of_places;
+  const bool only_places = wishes.free == nullptr && are_exact(calibrations);
+  const ParameterTable table = only_places ? table_of_places(cameras) : table_of(cameras);
+  std::optional<PlaceCovariance> known;
+  if (wishes.free == nullptr) {
+    known = place_covariance(solver, calibrations, table, variance);
+  } else if (const auto equations = solver.equations_over(table)) {
+    fit.intrinsics = intrinsics_step(*equations, *wishes.free, variance);
+    known = fit.intrinsics->known;
+  }
+  if (!known) return undetermined();
+  fit.covariance = known->of_places;
+  if (wishes.world != nullptr && wishes.world->camera.empty()) {
+    const auto pose = pose_at(*wishes.world, views, calibrations, solver);
+    if (pose) fit.board = board_frame(*pose, solver, table, *known, variance);
+    if (!fit.board) return undetermined();
   }
   fit.places = solver.places();
   for (std::size_t p = 0; p < fit.places.views.size(); ++p) {

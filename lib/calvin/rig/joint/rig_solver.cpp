@@ -78,6 +78,13 @@ std::optional<BundleProblem::Reduced> RigSolver::equations_over(const ParameterT
   return problem(table, Loss{}).reduced();
 }
 
+std::optional<BundleProblem::PoseEquations> RigSolver::pose_equations(std::size_t pose,
+                                                                      const ParameterTable& table) {
+  const BundleProblem over = problem(table, Loss{});
+  if (!over.valid() || !numbers_[pose]) return std::nullopt;
+  return over.pose_equations(*numbers_[pose]);
+}
+
 double RigSolver::variance() const {
   double corners = 0;
   for (const auto& view : weights_) {

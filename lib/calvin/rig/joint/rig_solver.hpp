@@ -51,6 +51,9 @@ class RigSolver {
   // for residuals of 1 px; and over all unknowns of a table of these cameras.
   [[nodiscard]] std::optional<BundleProblem::Reduced> equations() { return optimum_->reduced(); }
   [[nodiscard]] std::optional<BundleProblem::Reduced> equations_over(const ParameterTable& table);
+  // Those of a pose of a board by itself, over the same table; absent where it is not in use.
+  [[nodiscard]] std::optional<BundleProblem::PoseEquations> pose_equations(
+      std::size_t pose, const ParameterTable& table);
   // px^2 per residual beyond those that were fitted.
   [[nodiscard]] double variance() const;
 

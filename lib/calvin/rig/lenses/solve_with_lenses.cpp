@@ -211,8 +211,13 @@ Result<LensSolve> solve_with_lenses(const JointProblem& problem, bool has_prior,
   FreeIntrinsics free = start(std::vector<bool>(cameras.size(), true));
   std::vector<std::string> remarks = held_without_sigmas(problem, free);
   for (int round = 0; round < kRounds; ++round) {
-    const JointProblem now = {problem.seen,      cameras,          problem.views, problem.names,
-                              problem.tolerance, problem.instants, &free};
+    const JointProblem now = {problem.seen,
+                              cameras,
+                              problem.views,
+                              problem.names,
+                              problem.tolerance,
+                              problem.instants,
+                              {&free, problem.wishes.world}};
     auto solved = solve_places(now, are_fixed, stop);
     if (!solved) return tl::unexpected<Error>(solved.error());
     const RigFit& fit = solved->joint.fit;

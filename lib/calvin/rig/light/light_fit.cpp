@@ -299,7 +299,7 @@ class LightSolver {
         equations->matrix, {static_cast<int>(first), static_cast<int>(free.cols())},
         scatter_ * variance_, basis.leftCols(first).transpose() * known * basis.leftCols(first));
     if (!covariance) return undetermined("");
-    covariance_ = free * *covariance * free.transpose() + known;
+    covariance_ = free * covariance->of_places * free.transpose() + known;
     return check_sigmas();
   }
 

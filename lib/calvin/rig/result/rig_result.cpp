@@ -5,8 +5,6 @@
 
 #include "calvin/rig/result/rig_result.hpp"
 
-#include <utility>
-
 #include "calvin/geometry/dense.hpp"
 
 namespace calvin::rig {
@@ -17,33 +15,24 @@ constexpr Eigen::Index kPose = 6;
 
 }  // namespace
 
-// For R = exp(d) R0 and t = exp(d) t0 + e the camera stands at -R^T t, so that both move by -R0^T
-// of d and e.
-Eigen::MatrixXd in_rig_frame(const Eigen::MatrixXd& covariance,
-                             const std::vector<SE3>& camera_from_rig) {
-  const auto count = kPose * static_cast<Eigen::Index>(camera_from_rig.size());
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(count, count - kPose);
-  for (std::size_t c = 1; c < camera_from_rig.size(); ++c) {
-    const auto at = kPose * static_cast<Eigen::Index>(c);
-    const Eigen::Matrix3d back = -camera_from_rig[c].rotation.transpose();
-    turn.block<3, 3>(at, at - kPose) = back;
-    turn.block<3, 3>(at + 3, at - kPose + 3) = back;
+void set_cameras(const std::vector<Calibration>& cameras, const PlacedCameras& frames,
+                 const std::vector<double>& rms, Rig& to) {
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    RigCamera& camera = to.cameras.emplace_back();
+    camera.calibration = cameras[c];
+    camera.rms = rms[c];
   }
-  return congruent(covariance, turn.transpose());
+  set_places(frames, to.cameras);
 }
 
-void set_cameras(const std::vector<Calibration>& cameras, const std::vector<SE3>& camera_from_rig,
-                 const Eigen::MatrixXd& covariance, const std::vector<double>& rms, Rig& to) {
+void set_places(const PlacedCameras& frames, std::vector<RigCamera>& cameras) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    RigCamera camera;
-    camera.calibration = cameras[c];
-    camera.rig_from_camera = to_pose(camera_from_rig[c].inverse());
+    RigCamera& camera = cameras[c];
+    camera.rig_from_camera = to_pose(frames.rig_from_camera[c]);
     for (double& x : camera.rig_from_camera.translation) x += 0.0;  // no -0 of the first camera
-    camera.rms = rms[c];
     const auto at = kPose * static_cast<Eigen::Index>(c);
-    const Eigen::MatrixXd own = covariance.block(at, at, kPose, kPose);
-    if (!own.isZero(0)) camera.covariance = row_major(own);
-    to.cameras.push_back(std::move(camera));
+    const Eigen::MatrixXd own = frames.covariance.block(at, at, kPose, kPose);
+    camera.covariance = own.isZero(0) ? std::vector<double>() : row_major(own);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "calvin/rig/start/mirrored.hpp"
 #include "calvin/rig/start/vote.hpp"
 
 namespace calvin::rig {
@@ -86,6 +87,9 @@ void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>
   link.b_from_a = vote.place;
   link.votes = vote.votes;
   link.is_decided = vote.is_decided;
+  if (link.is_decided && 2 * link.votes > link.common.size()) return;
+  link.is_mirrored = is_mirrored(views, cameras, link);
+  link.is_decided = link.is_decided && !link.is_mirrored;
 }
 
 }  // namespace

@@ -26,8 +26,9 @@ struct Link {
   std::size_t b = 0;
   std::vector<CommonView> common;
   SE3 b_from_a;
-  std::size_t votes = 0;   // of the common views, those that agree
-  bool is_decided = true;  // else another place of the cameras agrees with the views as well
+  std::size_t votes = 0;     // of the common views, those that agree
+  bool is_decided = true;    // else another place of the cameras agrees with the views as well
+  bool is_mirrored = false;  // not decided, as the pictures of one of the two are mirrored
 };
 
 // For each pair of cameras that have seen a board at one time. `groups` are the views of each

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,6 +43,32 @@ std::string not_decided(const std::string& a, const std::string& b) {
       a, b);
 }
 
+// The cameras that a link is of, or the one of them that agrees with no other camera.
+std::string mirrored(const Link& link, const std::vector<Link>& links,
+                     const std::vector<std::string>& names) {
+  const auto count = [&links](std::size_t camera) {
+    return std::ranges::count_if(links, [camera](const Link& other) {
+      return other.is_decided && (other.a == camera || other.b == camera);
+    });
+  };
+  const auto of_a = count(link.a);
+  const auto of_b = count(link.b);
+  const std::string which = of_a == of_b
+                                ? fmt::format("'{}' or those of '{}'", names[link.a], names[link.b])
+                                : fmt::format("'{}'", names[of_a < of_b ? link.a : link.b]);
+  return fmt::format(
+      "The pictures of {} are mirrored, as videoflip does it, or a program that shows people "
+      "themselves: each camera fits what it has seen by itself, and no place of the two fits both. "
+      "Take the mirror out, and calibrate that camera again without it.",
+      which);
+}
+
+std::string why_open(const Link& link, const std::vector<Link>& links,
+                     const std::vector<std::string>& names) {
+  return link.is_mirrored ? mirrored(link, links, names)
+                          : not_decided(names[link.a], names[link.b]);
+}
+
 // For each camera the first one of its set, which decided links join.
 std::vector<std::size_t> sets_of(const std::vector<Link>& links, std::size_t cameras) {
   std::vector<std::size_t> first(cameras);
@@ -62,7 +89,10 @@ const Link* best_link(const std::vector<Link>& links,
   const Link* best = nullptr;
   for (const Link& link : links) {
     if (placed[link.a].has_value() == placed[link.b].has_value()) continue;
-    const auto rank = [](const Link& l) { return std::pair(l.is_decided, l.votes); };
+    // Of those that are not decided one that tells why.
+    const auto rank = [](const Link& l) {
+      return std::tuple(l.is_decided, l.is_mirrored, l.votes);
+    };
     if (best == nullptr || rank(link) > rank(*best)) best = &link;
   }
   return best;
@@ -74,7 +104,7 @@ Result<std::vector<SE3>> place_cameras(const std::vector<Link>& links,
   placed.front() = SE3();
   while (const Link* link = best_link(links, placed)) {
     if (!link->is_decided) {
-      return make_error(ErrorCode::kDegenerate, not_decided(names[link->a], names[link->b]));
+      return make_error(ErrorCode::kDegenerate, why_open(*link, links, names));
     }
     if (placed[link->a]) {
       placed[link->b] = link->b_from_a * *placed[link->a];
@@ -143,13 +173,16 @@ JoinedCameras joined_cameras(const std::vector<Link>& links,
     if (joined.is_joined[c]) others.push_back(names[c]);
   }
   for (std::size_t c = 0; c < names.size(); ++c) {
-    const auto undecided = std::ranges::find_if(links, [&](const Link& link) {
+    const auto is_between = [&](const Link& link) {
       return (link.a == c && joined.is_joined[link.b]) || (link.b == c && joined.is_joined[link.a]);
-    });
+    };
+    auto undecided = std::ranges::find_if(
+        links, [&](const Link& link) { return is_between(link) && link.is_mirrored; });
+    if (undecided == links.end()) undecided = std::ranges::find_if(links, is_between);
     std::string& why = joined.why_not.emplace_back();
     if (joined.is_joined[c]) continue;
     why = undecided == links.end() ? not_joined(others, {names[c]})
-                                   : not_decided(names[undecided->a], names[undecided->b]);
+                                   : why_open(*undecided, links, names);
   }
   return joined;
 }

@@ -11,6 +11,7 @@
 
 #include "calvin/camera/frame_fit.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
+#include "calvin/rig/result/rig_frame.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 #include "calvin/target/kinds.hpp"
 
@@ -108,6 +109,12 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
     for (const RigJob::Camera& camera : job.cameras) names.push_back(camera.name);
     for (std::string& remark : rig::drop_unknown(job.options.baselines, names)) {
       job.remarks.push_back(std::move(remark));
+    }
+    const auto is_world = [&job](const LeftOutCamera& one) {
+      return job.options.world && one.camera == job.options.world->camera;
+    };
+    if (std::ranges::any_of(job.left_out, is_world)) {
+      job.remarks.push_back(rig::drop_world(job.options.world));
     }
   }
   if (sees_light()) job.light = settings_.light;

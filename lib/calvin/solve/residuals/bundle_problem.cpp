@@ -202,6 +202,17 @@ std::optional<BundleProblem::Reduced> BundleProblem::reduced() {
   return reduced_to(unknowns_.basis, elimination_);
 }
 
+BundleProblem::PoseEquations BundleProblem::pose_equations(std::size_t pose) const {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const ArrowEquations& equations = current_.equations;
+  const ArrowLayout& layout = equations.layout();
+  const Eigen::Map<const RowMajor> lower(equations.own(pose), ArrowLayout::kPose,
+                                         ArrowLayout::kPose);
+  const Eigen::Map<const RowMajor> rows(equations.cross(pose), ArrowLayout::kPose,
+                                        static_cast<Eigen::Index>(layout.stride()));
+  return {lower.selfadjointView<Eigen::Lower>(), rows.middleCols(1, layout.shared)};
+}
+
 BundleProblem::Reduced reduced_to(const Eigen::MatrixXd& basis,
                                   const ArrowElimination& elimination) {
   return {restrict_to(basis, elimination.schur()),

@@ -112,6 +112,14 @@ class BundleProblem {
   };
   [[nodiscard]] std::optional<Reduced> reduced();
 
+  // The normal equations of one board's pose, not damped, for residuals of 1 px: 6 x 6, and by the
+  // shared unknowns, whatever the basis leaves of them.
+  struct PoseEquations {
+    Eigen::MatrixXd own;
+    Eigen::MatrixXd by_shared;
+  };
+  [[nodiscard]] PoseEquations pose_equations(std::size_t pose) const;
+
  private:
   struct State {
     BundlePoint point;
