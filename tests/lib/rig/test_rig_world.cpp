@@ -124,8 +124,9 @@ TEST(RigWorld, OfAnotherCameraIsAsWellKnownAsItSays) {
   int cameras = 0;
   for (int trial = 0; trial < trials; ++trial) {
     Random random(8200 + static_cast<std::uint64_t>(trial));
-    const SimulatedRig rig = scenes::ring_rig(4, random);
-    const auto solved = solve_rig(scenes::seen_by(rig, 30, 0.7, random), in_world("cam2"));
+    const FloorFirst all = floor_first(random);
+    const SimulatedRig& rig = all.rig;
+    const auto solved = solve_rig(all.seen, in_world("cam2"));
     ASSERT_TRUE(solved.has_value()) << solved.error().message;
     EXPECT_EQ(solved->rig.world, "cam2");
     EXPECT_TRUE(solved->rig.cameras[2].covariance.empty());

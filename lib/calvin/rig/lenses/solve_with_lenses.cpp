@@ -99,6 +99,32 @@ double length_of(const IntrinsicsStep& step) {
   return largest;
 }
 
+// Where steps of Gauss-Newton lead to, from the last two of them: what views tell badly takes steps
+// that shrink slowly, or turn round each time (D. G. Anderson, Iterative procedures for nonlinear
+// integral equations, J. ACM 12(4), 1965, with one step before).
+class StepMixing {
+ public:
+  // What `z` is to be moved by.
+  Eigen::VectorXd next(const Eigen::VectorXd& z, const IntrinsicsStep& now) {
+    constexpr double kFarthest = 10;  // times a step
+    Eigen::VectorXd mixed = now.step;
+    if (last_.size() == now.step.size()) {
+      const Eigen::VectorXd change = now.step - last_;
+      const Eigen::VectorXd in_sigmas = change.cwiseQuotient(now.of_z.diagonal());
+      const double square = change.dot(in_sigmas);
+      const double back = square > 0 ? now.step.dot(in_sigmas) / square : 0;
+      mixed -= std::clamp(back, -kFarthest, 1.0) * (z - before_ + change);
+    }
+    last_ = now.step;
+    before_ = z;
+    return mixed;
+  }
+
+ private:
+  Eigen::VectorXd last_;    // step
+  Eigen::VectorXd before_;  // where it was found
+};
+
 // The corners of views in use.
 std::vector<Pixel> corners_of(const JointSolve& one, std::size_t camera) {
   const std::set<std::size_t> rejected(one.fit.rejected.begin(), one.fit.rejected.end());
@@ -203,13 +229,14 @@ Result<BoardsSolve> solve_places(JointProblem problem, bool are_fixed,
 Result<LensSolve> solve_with_lenses(const JointProblem& problem, bool has_prior, bool are_fixed,
                                     const std::stop_token& stop) {
   constexpr double kSettled = 0.02;  // sigmas
-  constexpr int kRounds = 20;
+  constexpr int kRounds = 40;
   const auto start = [&](std::vector<bool> may_be_free) {
     return free_intrinsics(problem.seen, problem.cameras, std::move(may_be_free), has_prior);
   };
   std::vector<Camera> cameras = problem.cameras;
   FreeIntrinsics free = start(std::vector<bool>(cameras.size(), true));
   std::vector<std::string> remarks = held_without_sigmas(problem, free);
+  StepMixing mixing;
   for (int round = 0; round < kRounds; ++round) {
     const JointProblem now = {problem.seen,
                               cameras,
@@ -224,13 +251,14 @@ Result<LensSolve> solve_with_lenses(const JointProblem& problem, bool has_prior,
     if (hold_open_ones(problem, cameras, fit, free, remarks)) {
       cameras = problem.cameras;
       free = start(free.is_free);
+      mixing = {};
       continue;
     }
     if (length_of(*fit.intrinsics) < kSettled) {
       if (has_prior) add_contradictions(problem, free, ranges_of(cameras), remarks);
       return finished(problem, *std::move(solved), free, std::move(cameras), std::move(remarks));
     }
-    free.z += fit.intrinsics->step;
+    free.z += mixing.next(free.z, *fit.intrinsics);
     auto moved = cameras_at(free, problem.cameras);
     if (!moved) break;
     cameras = *std::move(moved);
