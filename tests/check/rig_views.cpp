@@ -6,6 +6,8 @@
 #include "rig_views.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -45,6 +47,29 @@ std::vector<SeenByCamera> stereo() {
 std::vector<SeenByCamera> ring() {
   scenes::Random random(2);
   return seen(scenes::ring_rig(4, random));
+}
+
+std::vector<SeenByCamera> swinging(int seconds, double behind) {
+  constexpr int kRate = 30;
+  constexpr double kSecond = 1e9;  // ns
+  scenes::Random random(6);
+  const scenes::SimulatedRig rig = scenes::stereo_rig(random);
+  const scenes::Swing swing(random);
+  std::vector<RigCameraViews> all(2);
+  for (std::size_t c = 0; c < 2; ++c) {
+    all[c].calibration = rig.cameras[c].to_calibration();
+    for (int n = 0; n < kRate * seconds; ++n) {
+      const double time = 1 + static_cast<double>(n) / kRate;
+      const SE3 pose = rig.world_from_camera[c].inverse() * swing.at(time);
+      if (!scenes::faces(pose) || !scenes::sees_all(rig.cameras[c], rig.board, pose)) continue;
+      View view = scenes::observe(rig.cameras[c], rig.board, pose, rig.noise, random);
+      const double late = c == 0 ? 0 : behind;
+      view.observation.timestamp =
+          static_cast<std::uint64_t>(std::llround(kSecond * (time - late)));
+      all[c].views.push_back(std::move(view));
+    }
+  }
+  return as_data(all, rig.world_from_camera);
 }
 
 std::vector<SeenByCamera> before_a_box() {

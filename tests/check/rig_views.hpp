@@ -24,6 +24,10 @@ struct SeenByCamera {
 [[nodiscard]] std::vector<SeenByCamera> stereo();
 [[nodiscard]] std::vector<SeenByCamera> ring();
 
+// A board that swings before the first two, 30 times in a second for so many seconds; the clock of
+// the second one is `behind` s behind.
+[[nodiscard]] std::vector<SeenByCamera> swinging(int seconds, double behind);
+
 // Two cameras that look at each other, and a box with a board on each side between them.
 [[nodiscard]] std::vector<SeenByCamera> before_a_box();
 

@@ -130,6 +130,22 @@ inline std::vector<RigCameraViews> seen_by(const SimulatedRig& rig, int instants
   return all;
 }
 
+// Where a board is in a hand that swings before the cameras of a stereo rig.
+class Swing {
+ public:
+  explicit Swing(Random& random) {
+    for (double& phase : phases_) phase = uniform(random, 0, 6);
+  }
+  [[nodiscard]] SE3 at(double t) const {  // s
+    const auto swing = [&](std::size_t i, double rate) { return std::sin(rate * t + phases_[i]); };
+    return {exp_so3({0.4 * swing(0, 1.1), 0.4 * swing(1, 0.9), 0.3}),
+            {-0.05 + 0.06 * swing(2, 0.8), -0.05 + 0.05 * swing(3, 1.0), 0.75}};
+  }
+
+ private:
+  double phases_[4];
+};
+
 // How far a camera of a solved rig is from where it stands, in units of its covariance: the square
 // over 6, and the largest component.
 struct PlaceError {

@@ -19,6 +19,7 @@ namespace {
 
 using scenes::Random;
 using scenes::SimulatedRig;
+using scenes::Swing;
 
 constexpr double kFrame = 1.0 / 30;  // s
 constexpr double kSecond = 1e9;      // ns
@@ -29,22 +30,6 @@ SimulatedRig three_cameras(Random& random) {
   rig.world_from_camera.push_back({exp_so3({-0.05, 0.1, 0.02}), {-0.1, 0.05, 0.01}});
   return rig;
 }
-
-// A board in a hand that swings.
-class Swing {
- public:
-  explicit Swing(Random& random) {
-    for (double& phase : phases_) phase = scenes::uniform(random, 0, 6);
-  }
-  [[nodiscard]] SE3 at(double t) const {  // s
-    const auto swing = [&](std::size_t i, double rate) { return std::sin(rate * t + phases_[i]); };
-    return {exp_so3({0.4 * swing(0, 1.1), 0.4 * swing(1, 0.9), 0.3}),
-            {-0.05 + 0.06 * swing(2, 0.8), -0.05 + 0.05 * swing(3, 1.0), 0.75}};
-  }
-
- private:
-  double phases_[4];
-};
 
 // What a camera sees at a time, with velocities by the frames before and after it, which have noise
 // of their own.
