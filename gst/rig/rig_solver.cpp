@@ -61,8 +61,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
   if (const Status good = check(options); !good) return tl::unexpected(good.error());
   // Places of two cameras give the unit alone.
   if (settings.places.empty() && baselines.size() == 1 && !baselines.front().a.empty()) {
-    const CameraBaseline& known = baselines.front();
-    options.places = {{known.a, {}}, {known.b, {known.distance, 0, 0}}};
+    set_known_distance(baselines.front(), options);
   }
   if (settings.places.empty()) return options;
   auto places = read_camera_places(settings.places);
@@ -98,7 +97,8 @@ const Property<RigSolver> kRigProperties[15] = {
     {"export",
      "Export",
      "Further files, written with location: FORMAT:PATH,FORMAT:PATH; kalibr, caliscope and calvin "
-     "are files, mrcal and colmap folders; of two cameras also opencv (a file) and ros (a folder)",
+     "are files, mrcal and colmap folders; of two cameras also opencv (a file or FOLDER/) and ros "
+     "(a folder)",
      kept_in<&RigSettings::exports>,
      {.flags = kMutableReady}},
     {"tolerance",
