@@ -164,6 +164,7 @@ const Property<RigSolver> kRigProperties[15] = {
 
 Status RigSolver::start() {
   const RigSettings now = settings();
+  if (Status possible = check_settings(now); !possible) return possible;
   const auto exports = parse_rig_exports(now.exports);
   if (!exports) return tl::unexpected(exports.error());
   auto baselines = parse_camera_baselines(now.baseline);
