@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "calvin/core/file.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "calvin_config.h"
 #include "support.hpp"
@@ -142,7 +143,14 @@ GST_START_TEST(test_follows_the_files_of_a_folder) {
     const auto before = f.pull();
     // Looked at twice a second, and nothing has changed.
     for (int n = 0; n < 45; ++n) fail_unless(f.pull() == before);
-    fail_unless(write_rig(models, rig_of(0.5), format).has_value());
+    // The second camera has moved, of which the last file tells, and no other is touched.
+    const std::string others = folder / "others";
+    fail_unless(write_rig(others, rig_of(0.5), format).has_value());
+    const std::string moved = files_of_rig(models).back();
+    g_autofree char* text = nullptr;
+    gsize length = 0;
+    g_file_get_contents(files_of_rig(others).back().c_str(), &text, &length, nullptr);
+    fail_unless(write_file(moved, std::string(text, length)).has_value());
     fail_unless(f.changes_from(before), "%s", format);
     // A camera more.
     for (int n = 0; n < 30; ++n) f.pull();
