@@ -3,11 +3,9 @@
 
 // One picture out of one file, by a pipeline that is gone when the picture is there: a folder takes
 // the memory, the threads and the file descriptors of a single picture, however many are in it.
-//   filesrc ! decodebin ! videoconvert ! appsink
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <utility>
 
@@ -16,72 +14,12 @@
 
 #include "calvin/core/result.hpp"
 
+#include "decoding.hpp"
+
 namespace calibrate_images {
 
-struct Unref {
-  void operator()(GstSample* sample) const { gst_sample_unref(sample); }
-};
-using Sample = std::unique_ptr<GstSample, Unref>;
-
-inline constexpr GstClockTime kPatience = 10 * GST_SECOND;  // until a file shows its first picture
-
-inline void link_decoded(GstElement* /*decodebin*/, GstPad* pad, gpointer sink) {
-  if (!gst_pad_is_linked(GST_PAD(sink))) gst_pad_link(pad, GST_PAD(sink));
-}
-
-// The faster transform of jpegdec, its default, moves corners by some hundredths of a pixel.
-inline void decode_exactly(GstBin* /*decodebin*/, GstBin* /*in*/, GstElement* element,
-                           gpointer /*unused*/) {
-  if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "idct-method") != nullptr) {
-    gst_util_set_object_arg(G_OBJECT(element), "idct-method", "islow");
-  }
-}
-
-// The first type that decodebin tells is that of the file: "image/..." of a still picture. It tells
-// none of a text.
-inline gboolean note_type(GstElement* /*decodebin*/, GstPad* /*pad*/, GstCaps* caps, gpointer of) {
-  auto& type = *static_cast<std::string*>(of);
-  if (type.empty()) type = gst_structure_get_name(gst_caps_get_structure(caps, 0));
-  return TRUE;  // decodebin goes on as without this function
-}
-
-// The pipeline for one file. Its sink takes the first decoded stream that is video, as `gray`.
-inline GstElement* make_decoder(const std::filesystem::path& file, std::string& type) {
-  GstElement* pipeline = gst_pipeline_new(nullptr);
-  GstElement* source = gst_element_factory_make("filesrc", nullptr);
-  GstElement* decoder = gst_element_factory_make("decodebin", nullptr);
-  GstElement* convert = gst_element_factory_make("videoconvert", nullptr);
-  GstElement* sink = gst_element_factory_make("appsink", "picture");
-  g_autoptr(GstCaps) gray = gst_caps_from_string("video/x-raw,format=GRAY8");
-  g_object_set(source, "location", file.c_str(), nullptr);
-  g_object_set(sink, "caps", gray, "sync", FALSE, "max-buffers", 1, nullptr);
-  gst_bin_add_many(GST_BIN(pipeline), source, decoder, convert, sink, nullptr);
-  gst_element_link(source, decoder);
-  gst_element_link(convert, sink);
-  g_autoptr(GstPad) pad = gst_element_get_static_pad(convert, "sink");
-  g_signal_connect(decoder, "deep-element-added", G_CALLBACK(decode_exactly), nullptr);
-  g_signal_connect(decoder, "autoplug-continue", G_CALLBACK(note_type), &type);
-  g_signal_connect_object(decoder, "pad-added", G_CALLBACK(link_decoded), pad, G_CONNECT_DEFAULT);
-  return pipeline;
-}
-
-// In place of an error's words, of a file that decodebin takes for a text.
-inline constexpr const char* kText = "text";
-
-// Waits until the sink has a picture, or its stream has ended without one. What went wrong, if
-// anything did.
-inline std::string preroll(GstElement* pipeline) {
-  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
-  gst_element_set_state(pipeline, GST_STATE_PAUSED);
-  g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
-      bus, kPatience, static_cast<GstMessageType>(GST_MESSAGE_ASYNC_DONE | GST_MESSAGE_ERROR));
-  if (message == nullptr) return "it takes longer than 10 s";
-  if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_ERROR) return "";
-  g_autoptr(GError) error = nullptr;
-  gst_message_parse_error(message, &error, nullptr);
-  if (g_error_matches(error, GST_STREAM_ERROR, GST_STREAM_ERROR_WRONG_TYPE)) return kText;
-  return error->message;
-}
+using decoding::kPatience;
+using decoding::Sample;
 
 // Whether a second picture follows the first in a stream that is at its first.
 inline bool is_movie(GstElement* pipeline, GstAppSink* sink) {
@@ -96,9 +34,9 @@ inline bool is_movie(GstElement* pipeline, GstAppSink* sink) {
 // what to do; a movie is one: which of its frames would be meant is not known.
 inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
   std::string type;
-  GstElement* pipeline = make_decoder(file, type);
+  GstElement* pipeline = decoding::make_decoder(file, type);
   g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "picture");
-  std::string error = preroll(pipeline);
+  std::string error = decoding::preroll(pipeline);
   Sample sample;
   bool movie = false;
   if (error.empty()) {
@@ -115,7 +53,7 @@ inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
                               "as PNG or JPEG, or take it away.");
   }
   if (!sample &&
-      (error == kText || type.starts_with("text/") || type.starts_with("application/"))) {
+      (error == decoding::kText || type.starts_with("text/") || type.starts_with("application/"))) {
     return calvin::make_error(calvin::ErrorCode::kUnsupported, "it is no picture.");
   }
   if (!sample) {

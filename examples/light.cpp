@@ -22,6 +22,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/blueccal.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_baselines.hpp"
 #include "calvin/io/camera_places.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/io/rig_io.hpp"
@@ -50,6 +51,9 @@ journal of calibsolve), or one folder with points.dat, IdMat.dat and Res.dat as 
   --places FILE   where some cameras stand: lines 'name x y z', m. Three or more give the frame of
                   the rig, two its unit; else the first camera is the rig, without a unit if
                   there is no wand
+  --baseline A:B:DISTANCE[:SIGMA]
+                  a known distance between two cameras, as cam0:cam2:4.98m:5mm; of two cameras
+                  4.98m is enough. It gives the unit, or is held against the wand; not with --places
   --calibration CAMERA=FILE
                   the lens of a camera is known, and only its place is to be found; where that of
                   every camera is, two are enough
@@ -69,7 +73,8 @@ struct Arguments {
   calvin::LightOptions options;
   std::map<std::string, std::string> calibrations;  // file, by camera
   std::string places;                               // file
-  std::uint64_t tolerance = 10'000'000;             // ns
+  std::optional<calvin::CameraBaseline> baseline;
+  std::uint64_t tolerance = 10'000'000;  // ns
   rig_export::Exports exports;
   std::vector<std::string> words;
 };
@@ -109,6 +114,10 @@ bool parse_wand(std::string_view value, std::vector<double>& places) {
 bool parse_option(std::string_view option, std::string_view value, Arguments& arguments) {
   if (option == "--places") {
     arguments.places = value;
+  } else if (option == "--baseline") {
+    const auto known = calvin::parse_camera_baselines(value);
+    if (!known || known->size() != 1) return false;
+    arguments.baseline = known->front();
   } else if (option == "--wand") {
     return parse_wand(value, arguments.options.wand);
   } else if (option == "--wand-sigma") {
@@ -149,6 +158,9 @@ std::string parse(std::span<char*> given, Arguments& arguments) {
     if (!parse_option(word, value, arguments)) {
       return fmt::format("'{} {}' is no option, or its value does not suit it.", word, value);
     }
+  }
+  if (arguments.baseline && !arguments.places.empty()) {
+    return "--baseline and --places both say how far cameras are apart: give one of them.";
   }
   if (arguments.words.size() < 2) {
     return "it takes a file for the rig, then what each camera has seen.";
@@ -225,6 +237,26 @@ calvin::Result<calvin::LightCameras> read_cameras(Arguments& arguments) {
   return cameras;
 }
 
+// Without names it is that of two cameras.
+calvin::Status take_baseline(const std::vector<calvin::LightCamera>& cameras,
+                             Arguments& arguments) {
+  if (!arguments.baseline) return {};
+  calvin::CameraBaseline known = *arguments.baseline;
+  if (known.a.empty() && known.b.empty()) {
+    if (cameras.size() != 2) {
+      return calvin::make_error(
+          calvin::ErrorCode::kInvalidArgument,
+          fmt::format("A known distance without names is that of two cameras, and there are {}: "
+                      "name two, as --baseline {}:{}:4.98m.",
+                      cameras.size(), cameras.front().name, cameras.back().name));
+    }
+    known.a = cameras[0].name;
+    known.b = cameras[1].name;
+  }
+  calvin::set_known_distance(known, arguments.options);
+  return {};
+}
+
 void print(const calvin::LightSolution& solved) {
   const calvin::Rig& rig = solved.rig;
   std::size_t places = 0;
@@ -262,6 +294,9 @@ int run(Arguments arguments) {
   if (seen->left_out > 0) {
     fmt::print("{} pictures have several lights and are left out: a wand is told by --wand.\n",
                seen->left_out);
+  }
+  if (const auto taken = take_baseline(seen->cameras, arguments); !taken) {
+    return failed(taken.error());
   }
   if (!arguments.places.empty()) {
     auto places = calvin::read_camera_places(arguments.places);

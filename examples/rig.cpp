@@ -5,6 +5,8 @@
 // stand, from what each of them has seen of boards.
 #include <cstdio>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -23,7 +25,7 @@
 #include "calvin/rig/solve_rig.hpp"
 
 #include "rig_export.hpp"
-#include "rig_views.hpp"
+#include "rig_sources.hpp"
 
 namespace {
 
@@ -33,8 +35,10 @@ constexpr int kWrongUsage = 2;
 constexpr std::string_view kUsage =
     R"(Usage: calvin-rig [OPTIONS] RIG.json CALIBRATION VIEWS CALIBRATION VIEWS...
 Finds where cameras stand, and writes it to RIG.json. For each camera: its calibration, and what it
-has seen of boards: a folder of pictures, FOLDER/PREFIX* in quotes, or a file of observations (the
-journal of calibsolve). Pictures with the same number in their names were taken at one time.
+has seen of boards: a video, a folder of pictures, FOLDER/PREFIX* in quotes, or a file of observations
+(the journal of calibsolve). Pictures with the same number in their names were taken at one time,
+and frames of videos at the same time since the beginning. Of videos the frames count that show a
+board elsewhere than before, and what the other cameras saw at those times.
 
   --board BOARD   the board in the pictures, checkerboard:9x6:25mm if not given
   --floor         the board lies still, and every camera has seen it at any time: the frame of the
@@ -52,6 +56,10 @@ journal of calibsolve). Pictures with the same number in their names were taken 
                   which may be the floor), board:N (at picture N, or at that second) or board:last.
                   Quarter turns of its axes may follow: board:x180 has z up from a board on the floor
   --tolerance MS  how far observations of one instant may be apart, 10 if not given
+  --start CAMERA:SECONDS,...
+                  of videos or observations: how much later than the others a camera began, as
+                  right:2.45. A board that moves tells what is left of it, if that is less than the
+                  tolerance
   --baseline A:B:DISTANCE[:SIGMA],...
                   known distances between cameras, as left:right:110.03mm:0.05mm; of two cameras
                   110.03mm is enough. They tell how large boards are in truth
@@ -60,13 +68,15 @@ journal of calibsolve). Pictures with the same number in their names were taken 
   --export FORMAT:PATH,...
                   further files: kalibr (a camchain), caliscope (camera_array.toml), calvin, gltf
                   (the scene of calibview, GLB); in the folder PATH mrcal (cameramodels) and colmap
-                  (cameras.txt and images.txt); of two cameras opencv (the stereo parameters, YAML),
-                  and ros (left.yaml and right.yaml in the folder PATH)
+                  (cameras.txt and images.txt); of two cameras opencv (the stereo parameters, YAML,
+                  in one file; of a PATH with / at its end OpenCV's intrinsics.yml and
+                  extrinsics.yml), and ros (left.yaml and right.yaml in the folder PATH)
   --help          this text
 )";
 
 struct Arguments {
   std::string board = "checkerboard:9x6:25mm";
+  std::map<std::string, double> starts;  // s, by the name of a camera
   calvin::RigOptions options;
   rig_export::Exports exports;
   std::vector<std::string> words;
@@ -80,6 +90,19 @@ int wrong_usage(std::string_view why) {
 int failed(const calvin::Error& error) {
   fmt::print(stderr, "calvin-rig: {}\n", error.message);
   return kFailed;
+}
+
+// Whether "CAMERA:SECONDS,..." was understood; names may have colons.
+bool parse_starts(std::string_view text, std::map<std::string, double>& starts) {
+  constexpr double kMost = 1e6;  // s
+  for (const std::string_view part : calvin::split(text, ',')) {
+    const auto colon = part.rfind(':');
+    if (colon == 0 || colon == std::string_view::npos) return false;
+    const auto seconds = calvin::parse_double(part.substr(colon + 1));
+    if (!seconds || !(*seconds >= -kMost && *seconds <= kMost)) return false;
+    starts[std::string(part.substr(0, colon))] = *seconds;
+  }
+  return true;
 }
 
 // Absent for wrong usage, which was said.
@@ -111,6 +134,11 @@ std::optional<Arguments> parse(std::span<char*> given) {
         return std::nullopt;
       }
       arguments.options.tolerance = static_cast<std::uint64_t>(*ms * kMillisecond);
+    } else if (word == "--start" && has_value) {
+      if (!parse_starts(given[++i], arguments.starts)) {
+        wrong_usage("--start takes CAMERA:SECONDS, as right:2.45.");
+        return std::nullopt;
+      }
     } else if (word == "--baseline" && has_value) {
       auto baselines = calvin::parse_camera_baselines(given[++i]);
       if (!baselines) {
@@ -243,16 +271,18 @@ int main(int argc, char** argv) {
   if (!arguments) return kWrongUsage;
   std::vector<calvin::RigCameraViews> cameras;
   std::vector<std::string> files;
+  std::vector<std::string> sources;
   for (std::size_t i = 1; i + 1 < arguments->words.size(); i += 2) {
     auto calibration = calvin::read_calibration(arguments->words[i]);
     if (!calibration) return failed(calibration.error());
-    auto views = rig_views::read(arguments->words[i + 1], arguments->board);
-    if (!views) return failed(views.error());
-    fmt::print("{}: {} views in {}\n", arguments->words[i], views->size(), arguments->words[i + 1]);
-    cameras.push_back({*std::move(calibration), *std::move(views)});
+    cameras.push_back({*std::move(calibration), {}});
     files.push_back(arguments->words[i]);
+    sources.push_back(arguments->words[i + 1]);
   }
   name_cameras(files, cameras);
+  const auto read = rig_sources::read(
+      sources, {arguments->board, arguments->starts, arguments->options}, cameras);
+  if (!read) return failed(read.error());
   auto solved = calvin::solve_rig(cameras, arguments->options);
   if (!solved) return failed(solved.error());
   std::string moved =

@@ -62,8 +62,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
   if (const Status good = check(options); !good) return tl::unexpected(good.error());
   // Places of two cameras give the unit alone.
   if (settings.places.empty() && baselines.size() == 1 && !baselines.front().a.empty()) {
-    const CameraBaseline& known = baselines.front();
-    options.places = {{known.a, {}}, {known.b, {known.distance, 0, 0}}};
+    set_known_distance(baselines.front(), options);
   }
   if (settings.places.empty()) return options;
   auto places = read_camera_places(settings.places);
@@ -99,7 +98,8 @@ const Property<RigSolver> kRigProperties[16] = {
     {"export",
      "Export",
      "Further files, written with location: FORMAT:PATH,FORMAT:PATH; kalibr, caliscope and calvin "
-     "are files, mrcal and colmap folders; of two cameras also opencv (a file) and ros (a folder)",
+     "are files, mrcal and colmap folders; of two cameras also opencv (a file or FOLDER/) and ros "
+     "(a folder)",
      kept_in<&RigSettings::exports>,
      {.flags = kMutableReady}},
     {"tolerance",
@@ -172,6 +172,7 @@ const Property<RigSolver> kRigProperties[16] = {
 
 Status RigSolver::start() {
   const RigSettings now = settings();
+  if (Status possible = check_settings(now); !possible) return possible;
   const auto exports = parse_rig_exports(now.exports);
   if (!exports) return tl::unexpected(exports.error());
   auto baselines = parse_camera_baselines(now.baseline);

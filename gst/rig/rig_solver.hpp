@@ -47,6 +47,10 @@ struct RigSettings {
   double wand_sigma = LightOptions().wand_sigma;  // m
 };
 
+// An error for settings that contradict each other, whatever the cameras will see:
+// rig_solver_jobs.cpp.
+[[nodiscard]] Status check_settings(const RigSettings& now);
+
 // What a pad is told of its camera.
 struct RigCameraSettings {
   std::string name;

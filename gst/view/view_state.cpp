@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <system_error>
+#include <utility>
 
 #include "calvin/io/rig_io.hpp"
 #include "common/messages.hpp"
@@ -36,7 +37,7 @@ Result<Rig> read_setting(const std::string& text) {
 const Property<ViewState> kViewProperties[3] = {
     {"rig",
      "Rig",
-     "The rig to show: its file, which is read again when it is replaced, or its JSON",
+     "The rig to show: its file or folder, read again when a file is replaced, or its JSON",
      kept_in<&ViewSettings::rig>,
      {.flags = kMutableReady}},
     {"orbit",
@@ -52,12 +53,17 @@ const Property<ViewState> kViewProperties[3] = {
 };
 
 std::optional<ViewState::Stamp> ViewState::stamp_of(const std::string& path) {
-  std::error_code error;
-  const auto written = std::filesystem::last_write_time(path, error);
-  if (error) return std::nullopt;
-  const auto size = std::filesystem::file_size(path, error);
-  if (error) return std::nullopt;
-  return Stamp{written, size};
+  Stamp stamp;
+  for (std::filesystem::path& file : files_of_rig(path)) {
+    std::error_code error;
+    const auto written = std::filesystem::last_write_time(file, error);
+    if (error) return std::nullopt;
+    const auto size = std::filesystem::file_size(file, error);
+    if (error) return std::nullopt;
+    stamp.push_back({std::move(file), written, size});
+  }
+  if (stamp.empty()) return std::nullopt;
+  return stamp;
 }
 
 Status ViewState::start() {

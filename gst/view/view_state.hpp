@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gst/base/gstbasesrc.h>
 
@@ -49,12 +50,14 @@ class ViewState : public SharedSettings<ViewSettings> {
   void zoom_by(double steps);
 
  private:
-  // What tells one file from the next under the same name.
-  struct Stamp {
+  // What tells the files of a rig from the next ones under the same name.
+  struct FileStamp {
+    std::filesystem::path file;
     std::filesystem::file_time_type written;
     std::uintmax_t size = 0;
-    friend bool operator==(const Stamp&, const Stamp&) = default;
+    friend bool operator==(const FileStamp&, const FileStamp&) = default;
   };
+  using Stamp = std::vector<FileStamp>;
   void look_again();
   [[nodiscard]] static std::optional<Stamp> stamp_of(const std::string& path);
 

@@ -57,6 +57,40 @@ GST_START_TEST(test_intrinsics_that_cannot_be_read_are_an_error) {
 }
 GST_END_TEST;
 
+// What no view could mend is said before there is one.
+GST_START_TEST(test_settings_that_contradict_each_other_are_an_error) {
+  struct Case {
+    const char* settings[3][2];
+    const char* word;  // of the error; nullptr: none
+  };
+  constexpr Case kCases[] = {
+      {{{"mode", "floor"}, {"estimate-intrinsics", "free"}}, "not their intrinsics"},
+      {{{"mode", "floor"}, {"estimate-intrinsics", "prior"}}, "not their intrinsics"},
+      {{{"method", "svoboda"}, {"estimate-intrinsics", "free"}}, "estimate-intrinsics=no"},
+      {{{"board", "dot"}, {"estimate-intrinsics", "prior"}}, "estimate-intrinsics=no"},
+      {{{"board", "wand:150mm+350mm"}, {"estimate-intrinsics", "free"}}, "estimate-intrinsics=no"},
+      {{{"board", "dot"}, {"mode", "floor"}}, "no floor"},
+      {{{"board", "dot"}, {"method", "boards"}, {"estimate-intrinsics", "free"}}, nullptr},
+      {{{"board", "checkerboard:9x6:25mm"}, {"estimate-intrinsics", "free"}}, nullptr},
+      {{{"mode", "floor"}}, nullptr}};
+  for (const Case& c : kCases) {
+    RigFixture f(rig_views::stereo());
+    for (const auto& [name, value] : c.settings) {
+      if (name != nullptr) gst_util_set_object_arg(G_OBJECT(f.element), name, value);
+    }
+    fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_NULL),
+                           GST_STATE_CHANGE_SUCCESS);
+    const auto changed = gst_element_set_state(f.element, GST_STATE_PAUSED);
+    fail_unless((changed == GST_STATE_CHANGE_FAILURE) == (c.word != nullptr));
+    const auto texts = f.bus.texts(GST_MESSAGE_ERROR);
+    fail_unless_equals_int(texts.size(), c.word != nullptr ? 1 : 0);
+    if (c.word != nullptr) {
+      fail_unless(texts[0].find(c.word) != std::string::npos, "%s", texts[0].c_str());
+    }
+  }
+}
+GST_END_TEST;
+
 // A camera that is linked and sees nothing keeps the others from nothing: it is named, with why.
 GST_START_TEST(test_a_camera_that_sees_nothing_is_left_out) {
   RigFixture f(rig_views::ring());
@@ -145,6 +179,7 @@ static Suite* calibrig_failures_suite(void) {
   tcase_set_timeout(tc, 120);
   tcase_add_loop_test(tc, test_the_end_without_a_rig_says_what_is_missing, 0, 3);
   tcase_add_test(tc, test_intrinsics_that_cannot_be_read_are_an_error);
+  tcase_add_test(tc, test_settings_that_contradict_each_other_are_an_error);
   tcase_add_test(tc, test_a_camera_that_sees_nothing_is_left_out);
   tcase_add_test(tc, test_a_rig_stays_where_the_last_solve_fails);
   tcase_add_test(tc, test_only_cameras_that_are_there_are_inserted_again);

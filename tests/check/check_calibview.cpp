@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "calvin/core/file.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "calvin_config.h"
 #include "support.hpp"
@@ -131,6 +132,38 @@ GST_START_TEST(test_follows_the_file) {
 }
 GST_END_TEST;
 
+// Of a folder every file: those of mrcal are one for each camera.
+GST_START_TEST(test_follows_the_files_of_a_folder) {
+  for (const char* format : {"mrcal", "colmap"}) {
+    check::TemporaryFolder folder;
+    const std::string models = folder / "models";
+    fail_unless(write_rig(models, rig_of(0.1), format).has_value());
+    ViewFixture f("orbit=0 rig=" + models);
+    gst_harness_play(f.h);
+    const auto before = f.pull();
+    // Looked at twice a second, and nothing has changed.
+    for (int n = 0; n < 45; ++n) fail_unless(f.pull() == before);
+    // The second camera has moved, of which the last file tells, and no other is touched.
+    const std::string others = folder / "others";
+    fail_unless(write_rig(others, rig_of(0.5), format).has_value());
+    const std::string moved = files_of_rig(models).back();
+    g_autofree char* text = nullptr;
+    gsize length = 0;
+    g_file_get_contents(files_of_rig(others).back().c_str(), &text, &length, nullptr);
+    fail_unless(write_file(moved, std::string(text, length)).has_value());
+    fail_unless(f.changes_from(before), "%s", format);
+    // A camera more.
+    for (int n = 0; n < 30; ++n) f.pull();
+    const auto wider = f.pull();
+    Rig more = rig_of(0.5);
+    more.cameras.push_back(rig_of(0.3).cameras[1]);
+    more.cameras.back().calibration.camera = "third";
+    fail_unless(write_rig(models, more, format).has_value());
+    fail_unless(f.changes_from(wider), "%s", format);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_the_mouse_turns_and_comes_closer) {
   ViewFixture f;
   gst_harness_play(f.h);
@@ -207,6 +240,7 @@ static Suite* calibview_suite(void) {
   tcase_add_test(tc, test_stands_still_or_goes_around);
   tcase_add_test(tc, test_is_drawn_in_every_format);
   tcase_add_test(tc, test_follows_the_file);
+  tcase_add_test(tc, test_follows_the_files_of_a_folder);
   tcase_add_test(tc, test_the_mouse_turns_and_comes_closer);
   tcase_add_test(tc, test_states_and_live);
 #endif

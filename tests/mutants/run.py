@@ -40,7 +40,8 @@ TESTS = {
     "geometry": "geometry monotone_cubic",
     "camera": "camera usable_area zoom_table",
     "target": "board",
-    "io": "io observations board_names light_io rig_io rig_formats mrcal colmap caliscope zoom_io",
+    "io": "io observations board_names light_io rig_io rig_formats opencv_stereo mrcal colmap caliscope "
+    "zoom_io",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
     "rig": "rig light solve_rig left_out solve_zooming strobl",
@@ -78,6 +79,8 @@ NEAR_FILES = {
     "solver_jobs": "calibsolve*",
     "gstcalibrig": "calibrig*",
     "rig_solver": "calibrig_failures calibrig*",
+    "rig_solver_jobs": "calibrig_failures calibrig*",
+    "view_state": "calibview",
     "solver_watch": "calibsolve_silence calibsolve_lens",
     "solve_messages": "calibsolve* calibrate*",
     "worker": "worker calibsolve*",

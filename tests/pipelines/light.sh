@@ -68,6 +68,23 @@ expect 0 'Cameras alone see the wand' "$light" --wand 150mm+350mm rig.json wand0
 awk '/^.cam[123]/ { gsub(/[^-0-9. ]/, ""); print sqrt($2 * $2 + $3 * $3 + $4 * $4) }' out >distances
 printf '4983\n6423\n4247\n' | paste - distances | awk '{ if ($1 - $2 > 15 || $2 - $1 > 15) exit 1 }' || fail "distances of cameras: $(cat out)"
 expect 0 'from where they were known to be' "$light" --wand 150mm+350mm --wand-sigma 0.5mm --places places.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+# A distance gives the unit, and is held against that of the wand.
+expect 0 "'cam1' at" "$light" --baseline cam0:cam1:4.983m rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+! grep -q '"unit"' rig.json || fail 'metres have a unit of their own'
+awk '/^.cam[123]/ { gsub(/[^-0-9. ]/, ""); print sqrt($2 * $2 + $3 * $3 + $4 * $4) }' out >distances
+printf '4983\n6423\n4247\n' | paste - distances | awk '{ if ($1 - $2 > 25 || $2 - $1 > 25) exit 1 }' || fail "distances of cameras: $(cat out)"
+head -n 1 distances | awk '{ exit !($1 > 4982.8 && $1 < 4983.2) }' || fail "not the distance that is known: $(cat out)"
+expect 0 "'cam1' at" "$light" --baseline 4.983m:5mm --calibration cam0=cam0.json --calibration cam1=cam1.json rig.json cam0.jsonl cam1.jsonl
+expect 0 'Cameras alone see the wand' "$light" --wand 150mm+350mm --baseline cam0:cam1:4.983m:5mm rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+! grep -q 'measure both' out || fail "a distance that is right: $(cat out)"
+expect 0 'measure both' "$light" --wand 150mm+350mm --baseline cam0:cam1:5.2m:5mm rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+expect 0 'Cameras alone see the wand' "$light" --wand 150mm+350mm --baseline cam0:cam1:5.2m:200mm rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+! grep -q 'measure both' out || fail "a distance that is hardly known contradicts nothing: $(cat out)"
+expect 1 'without names is that of two cameras' "$light" --baseline 4.983m rig.json cam0.jsonl cam1.jsonl cam2.jsonl
+expect 1 "'cam9', which is no camera" "$light" --baseline cam0:cam9:4.983m rig.json cam0.jsonl cam1.jsonl cam2.jsonl
+expect 2 'give one of them' "$light" --baseline cam0:cam1:4.983m --places places.txt rig.json cam0.jsonl cam1.jsonl cam2.jsonl
+expect 2 'no option, or its value' "$light" --baseline cam0:cam1 rig.json cam0.jsonl cam1.jsonl cam2.jsonl
+expect 2 'no option, or its value' "$light" --baseline cam0:cam1:5m,cam1:cam2:6m rig.json cam0.jsonl cam1.jsonl cam2.jsonl
 expect 0 'measure both' "$light" --wand 156mm+364mm --places places.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
 for c in 0 1 2 3; do sed 's/"dot"/"wand:150mm+350mm"/' "wand$c.jsonl" >"named$c.jsonl"; done
 expect 0 'Cameras alone see the wand' "$light" rig.json named0.jsonl named1.jsonl named2.jsonl named3.jsonl

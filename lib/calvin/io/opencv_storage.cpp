@@ -56,12 +56,6 @@ std::string find_key(const Node& map, const Names& names) {
   return {};
 }
 
-// XML has a root element around everything.
-const Node& content_of(const Node& root) {
-  const Node* storage = root.find("opencv_storage");
-  return storage == nullptr ? root : *storage;
-}
-
 ImageSize read_size(Fields& fields, const Node& map) {
   const std::string width = find_key(map, kWidth);
   const std::string height = find_key(map, kHeight);
@@ -155,6 +149,11 @@ Matrix read_matrix(Fields& fields, std::string_view key) {
                                         result.data.size(), result.rows, result.cols));
   }
   return result;
+}
+
+const Node& content_of(const Node& root) noexcept {
+  const Node* storage = root.find("opencv_storage");
+  return storage == nullptr ? root : *storage;
 }
 
 bool is_opencv(const Node& root) {

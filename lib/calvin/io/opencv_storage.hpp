@@ -24,6 +24,9 @@ struct Matrix {
 using StorageValue = std::variant<int, double, Matrix>;
 using Storage = std::vector<std::pair<std::string_view, StorageValue>>;
 
+// What the root of a file of any syntax holds: XML has an element around everything.
+[[nodiscard]] const Node& content_of(const Node& root) noexcept;
+
 // The fields to write, under the names of OpenCV's own calibration sample.
 [[nodiscard]] Result<Storage> to_storage(const Calibration& calibration);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Rigs that are folders of files.
+// Rigs that are several files.
 
 #include <algorithm>
 #include <set>
@@ -81,6 +81,37 @@ Result<Rig> read_models(const std::vector<fs::path>& models) {
   return rig;
 }
 
+// The name of the other one of the files that OpenCV's sample stereo_calib writes; empty for any
+// other name.
+fs::path beside(const fs::path& path) {
+  constexpr std::string_view kNames[] = {"intrinsics", "extrinsics"};
+  std::string name = path.filename().string();
+  for (const std::size_t own : {0, 1}) {
+    const auto at = name.rfind(kNames[own]);
+    if (at == std::string::npos) continue;
+    return path.parent_path() / name.replace(at, kNames[own].size(), kNames[1 - own]);
+  }
+  return {};
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code none;
+  return !path.empty() && fs::is_regular_file(path, none);
+}
+
+// What a path that is no folder names.
+std::vector<fs::path> files_of(const fs::path& path) {
+  const fs::path other = beside(path);
+  if (is_there(path)) return is_there(other) ? std::vector{path, other} : std::vector{path};
+  const std::string text = path.string();
+  for (auto at = text.find(','); at != std::string::npos; at = text.find(',', at + 1)) {
+    const fs::path one = text.substr(0, at);
+    const fs::path two = text.substr(at + 1);
+    if (is_there(one) && is_there(two)) return {one, two};
+  }
+  return {path};
+}
+
 Status make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -116,10 +147,23 @@ namespace calvin {
 
 bool is_rig_folder(const std::filesystem::path& path) noexcept {
   std::error_code none;
-  if (!std::filesystem::is_directory(path, none)) return false;
-  if (std::filesystem::exists(path / "images.txt", none)) return true;
-  const auto models = io::models_in(path);
-  return models && !models->empty();
+  return std::filesystem::is_directory(path, none) && !files_of_rig(path).empty();
+}
+
+std::vector<std::filesystem::path> files_of_rig(const std::filesystem::path& path) {
+  std::error_code none;
+  if (!std::filesystem::is_directory(path, none)) return io::files_of(path);
+  if (std::filesystem::exists(path / "images.txt", none)) {
+    return {path / "cameras.txt", path / "images.txt"};
+  }
+  auto models = io::models_in(path).value_or(std::vector<std::filesystem::path>());
+  if (!models.empty()) return models;
+  for (const char* name :
+       {"intrinsics.yml", "intrinsics.yaml", "intrinsics.xml", "intrinsics.json"}) {
+    auto files = io::files_of(path / name);
+    if (files.size() == 2) return files;
+  }
+  return {};
 }
 
 }  // namespace calvin
@@ -138,9 +182,16 @@ Result<Rig> read_rig_folder(const fs::path& folder) {
   const auto models = models_in(folder);
   if (!models) return tl::unexpected(models.error());
   if (!models->empty()) return read_models(*models);
+  if (const auto stereo = files_of_rig(folder); stereo.size() == 2) {
+    const auto one = read_file(stereo[0].string(), kMostBytes);
+    if (!one) return tl::unexpected(one.error());
+    const auto other = read_file(stereo[1].string(), kMostBytes);
+    if (!other) return tl::unexpected(other.error());
+    return join_opencv_stereo(*one, *other);
+  }
   return make_error(ErrorCode::kMalformed,
                     "the folder has neither models of mrcal's (*.cameramodel) nor cameras.txt and "
-                    "images.txt of COLMAP's");
+                    "images.txt of COLMAP's nor intrinsics.yml and extrinsics.yml of OpenCV's");
 }
 
 Status write_mrcal_folder(const fs::path& folder, const Rig& rig) {

@@ -42,10 +42,17 @@ namespace calvin::io {
 [[nodiscard]] Result<RigCamera> read_mrcal(const Node& root);
 [[nodiscard]] Result<std::string> print_mrcal(const RigCamera& camera);
 
-// M1 D1 M2 D2 R T of OpenCV's sample stereo_calib, in one file, with image_width and image_height;
-// lengths are taken for metres.
+// M1 D1 M2 D2 R T of OpenCV's sample stereo_calib, in one file; without image_width and
+// image_height the lenses are of pictures of any size. Lengths are taken for metres.
 [[nodiscard]] bool is_opencv_stereo(const Node& root);
 [[nodiscard]] Result<Rig> read_opencv_stereo(const Node& root);
+// Either of the two files that the sample writes: the lenses, or where they stand. What is missing
+// is said.
+[[nodiscard]] bool is_half_of_opencv_stereo(const Node& root);
+[[nodiscard]] Result<Rig> read_half_of_opencv_stereo(const Node& root);
+// The same of the texts of both files; what both have is taken from the first. Never throw.
+[[nodiscard]] bool is_half_of_opencv_stereo(std::string_view content) noexcept;
+[[nodiscard]] Result<Rig> join_opencv_stereo(std::string_view one, std::string_view other);
 
 // Calib_Results_stereo of Bouguet's toolbox, as text: om or R, T in mm, and what is known of both
 // cameras.
@@ -55,7 +62,7 @@ namespace calvin::io {
 // ---- Folders: rig_folder.cpp
 
 // mrcal's models, each camera called as its file is without `.cameramodel`, or COLMAP's cameras.txt
-// and images.txt. kMalformed for a folder without either.
+// and images.txt, or OpenCV's stereo parameters in two files. kMalformed for a folder without any.
 [[nodiscard]] Result<Rig> read_rig_folder(const std::filesystem::path& folder);
 // The folder is made where there is none; each file is written whole. kInvalidArgument where names
 // of cameras are no names of files, or are one, and where the folder has models of other cameras,

@@ -40,12 +40,14 @@ struct Reader {
   Result<Rig> (*read)(const Node&);
 };
 // In this order: the first that claims a document reads it, the first one what nobody claims.
-constexpr std::array<Reader, 6> kReaders = {{{io::is_native_rig, io::read_native_rig},
-                                             {io::is_kalibr, io::read_kalibr},
-                                             {io::is_caliscope, io::read_caliscope},
-                                             {io::is_mrcal, read_one_of_mrcal},
-                                             {io::is_bouguet_stereo, io::read_bouguet_stereo},
-                                             {io::is_opencv_stereo, io::read_opencv_stereo}}};
+constexpr std::array<Reader, 7> kReaders = {
+    {{io::is_native_rig, io::read_native_rig},
+     {io::is_kalibr, io::read_kalibr},
+     {io::is_caliscope, io::read_caliscope},
+     {io::is_mrcal, read_one_of_mrcal},
+     {io::is_bouguet_stereo, io::read_bouguet_stereo},
+     {io::is_opencv_stereo, io::read_opencv_stereo},
+     {io::is_half_of_opencv_stereo, io::read_half_of_opencv_stereo}}};
 
 // Of one file, or of a folder of them.
 struct Writer {
@@ -88,7 +90,8 @@ Result<Rig> parse_text(std::string_view content) {
 constexpr io::FileKind kKind = {
     "The text of a rig", "a rig",
     "Give a file that calvin-rig or calibrig has written, Kalibr's camchain, caliscope's "
-    "camera_array.toml, OpenCV's stereo parameters in one file, Calib_Results_stereo of Bouguet's "
+    "camera_array.toml, OpenCV's stereo parameters in one file or two, Calib_Results_stereo of "
+    "Bouguet's "
     "toolbox as text, or a folder of mrcal's or "
     "COLMAP's."};
 
@@ -143,9 +146,16 @@ Result<Rig> read_rig(const std::filesystem::path& path) {
     if (!rig) rig.error().message = io::explain(kKind, path.string(), rig.error().message);
     return rig;
   }
-  const auto content = read_file(path.string(), kMaxRigBytes);
+  const auto files = files_of_rig(path);
+  const auto content = read_file(files.front().string(), kMaxRigBytes);
   if (!content) return tl::unexpected(content.error());
-  return parse_rig(*content, path.string());
+  if (files.size() == 1) return parse_rig(*content, path.string());
+  const auto other = read_file(files.back().string(), kMaxRigBytes);
+  if (!other) return tl::unexpected(other.error());
+  if (!io::is_half_of_opencv_stereo(*content)) return parse_rig(*content, path.string());
+  auto rig = io::join_opencv_stereo(*content, *other);
+  if (!rig) rig.error().message = io::explain(kKind, path.string(), rig.error().message);
+  return rig;
 }
 
 Result<std::string> print_rig(const Rig& rig, std::string_view format) {

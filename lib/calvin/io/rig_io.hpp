@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Files of rigs: the native one (JSON), Kalibr's camchain, caliscope's camera_array.toml, OpenCV's
-// stereo parameters, known by their content; and folders of mrcal's models and of COLMAP's.
-// docs/formats.md.
+// stereo parameters in one file or two, known by their content; and folders of mrcal's models and
+// of COLMAP's. docs/formats.md.
 #pragma once
 
 #include <filesystem>
@@ -20,8 +20,10 @@ namespace calvin {
 // More is no rig.
 inline constexpr std::size_t kMaxRigBytes = std::size_t{64} << 20;
 
-// The calibration of every camera makes a Camera. kMalformed for broken content, kUnsupported for
-// what a newer version has written; the message names `name` and says what is wrong.
+// The calibration of every camera makes a Camera, once its image size is known: OpenCV's stereo
+// parameters need not say it, and are then of pictures of any size (0x0). kMalformed for broken
+// content, kUnsupported for what a newer version has written; the message names `name` and says
+// what is wrong.
 [[nodiscard]] CALVIN_API Result<Rig> parse_rig(std::string_view content,
                                                std::string_view name = "");
 
@@ -29,11 +31,17 @@ inline constexpr std::size_t kMaxRigBytes = std::size_t{64} << 20;
 // parameters are the calibration of their first camera too, and do not count.
 [[nodiscard]] bool is_rig(std::string_view content) noexcept;
 
-// Whether there is a folder of that name that has models of mrcal's or COLMAP's images.txt.
+// Whether there is a folder of that name that has models of mrcal's, COLMAP's images.txt or
+// OpenCV's intrinsics.yml and extrinsics.yml.
 [[nodiscard]] bool is_rig_folder(const std::filesystem::path& path) noexcept;
 
-// parse_rig() of a file, or what the files of a folder are together; errors as of
-// read_calibration().
+// The files that read_rig() of a path may read: itself, itself and the other one of OpenCV's
+// intrinsics.yml and extrinsics.yml where that lies beside it, both of "ONE,OTHER" where they are
+// there, or those of a folder. None where a folder has no rig. What is in them is not looked at.
+[[nodiscard]] std::vector<std::filesystem::path> files_of_rig(const std::filesystem::path& path);
+
+// parse_rig() of a file, or what the files of a folder or of files_of_rig() are together; errors as
+// of read_calibration().
 [[nodiscard]] CALVIN_API Result<Rig> read_rig(const std::filesystem::path& path);
 
 // The inverse, in one of rig_formats(): numbers read back as the same; only the native format holds

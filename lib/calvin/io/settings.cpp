@@ -69,6 +69,8 @@ Result<CameraSetting> parse_camera_setting(std::string_view text) {
   if (kind == Setting::kFile) {
     const std::filesystem::path path(text);
     if (is_rig_folder(path)) return read_rig(path);
+    // Either of OpenCV's two files, or both; the one with the lenses is a calibration by itself.
+    if (files_of_rig(path).size() == 2 && !read_calibration(path)) return read_rig(path);
     const auto content = read_file(path.string(), std::max(kMaxRigBytes, kMaxZoomBytes));
     if (content && is_rig(*content)) return parse_rig(*content, path.string());
     if (content && is_zoom_table(*content)) return parse_zoom_table(*content, path.string());

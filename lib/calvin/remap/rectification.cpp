@@ -38,8 +38,12 @@ Result<std::vector<Sight>> rectified_sights(const Rig& rig, StereoSide side, Ima
   std::vector<Sight> sights;
   for (const bool is_left : {true, false}) {
     const Calibration& known = rig.cameras[is_left ? pair->left : pair->right].calibration;
-    const ImageSize frames = {scaled(known.image_size.width, size.width, calibrated.width),
-                              scaled(known.image_size.height, size.height, calibrated.height)};
+    // A file that does not say the size of its pictures has none of either camera.
+    const bool is_sized = calibrated != ImageSize{} && known.image_size != ImageSize{};
+    const ImageSize frames =
+        is_sized ? ImageSize{scaled(known.image_size.width, size.width, calibrated.width),
+                             scaled(known.image_size.height, size.height, calibrated.height)}
+                 : size;
     auto fitted = fit_to_frame(known, frames);
     if (!fitted) return tl::unexpected(fitted.error());
     sights.push_back({std::move(fitted->camera),
@@ -52,6 +56,12 @@ Result<RectifiedPair> rectified_pair(const Rig& rig, double alpha) {
   const auto pair = stereo_pair(rig);
   if (!pair) return tl::unexpected(pair.error());
   const ImageSize size = rig.cameras[pair->left].calibration.image_size;
+  if (size == ImageSize{}) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "The rig does not say the size of its cameras' pictures, of which the "
+                      "rectified ones are: calibrate it again, or add image_width and "
+                      "image_height to its file.");
+  }
   const auto sights = rectified_sights(rig, StereoSide::kLeft, size);
   if (!sights) return tl::unexpected(sights.error());
   ViewOptions options;

@@ -100,4 +100,9 @@ Result<LightCameras> light_cameras(const std::vector<Observation>& seen, std::ui
   return result;
 }
 
+void set_known_distance(const CameraBaseline& known, LightOptions& options) {
+  options.places = {{known.a, {}}, {known.b, {known.distance, 0, 0}}};
+  options.length_sigma = known.sigma;
+}
+
 }  // namespace calvin

@@ -68,6 +68,9 @@ struct LightOptions {
   // between them, give the unit alone. Without any, the first camera is the rig, and the distance
   // of the camera that is farthest from it is 1. With a wand the unit is that of the wand.
   std::vector<CameraPlace> places;
+  // m, 1 sigma: how well the distance between two places is known, where these give the unit. How
+  // well three or more are known is told by how well they fit.
+  double length_sigma = 0;
   // Of a wand with several lights on a line: where each is along it, m, rising from 0. Empty: one
   // light.
   std::vector<double> wand;
@@ -75,5 +78,8 @@ struct LightOptions {
   // error for all instants, so that no number of them makes the unit better known than the wand.
   double wand_sigma = kDefaultWandSigma;
 };
+
+// The distance between two cameras by name gives the unit, or is held against that of a wand.
+void set_known_distance(const CameraBaseline& known, LightOptions& options);
 
 }  // namespace calvin

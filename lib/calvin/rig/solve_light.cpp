@@ -38,9 +38,10 @@ class Report {
     for (const SE3& pose : fit.state.camera_from_rig) rig_from_camera_.push_back(pose.inverse());
   }
 
-  [[nodiscard]] Result<LightSolution> make(const std::vector<rig::KnownPlace>& places) {
+  [[nodiscard]] Result<LightSolution> make(const std::vector<rig::KnownPlace>& places,
+                                           double length_sigma) {
     if (!places.empty()) {
-      auto alignment = rig::align(rig_from_camera_, places, has_wand());
+      auto alignment = rig::align(rig_from_camera_, places, has_wand(), length_sigma);
       if (!alignment) return tl::unexpected(alignment.error());
       alignment_ = *std::move(alignment);
       solution_.places_rms = alignment_.rms;
@@ -316,7 +317,7 @@ Result<LightSolution> solve_light(const std::vector<LightCamera>& cameras,
   try {
     const auto fit = rig::fit_light(cameras, options, stop);
     if (!fit) return tl::unexpected(fit.error());
-    return Report(cameras, *fit).make(*places);
+    return Report(cameras, *fit).make(*places, options.length_sigma);
   } catch (const std::exception&) {
     return make_error(ErrorCode::kDegenerate,
                       "There is no memory for so many instants: take fewer.");

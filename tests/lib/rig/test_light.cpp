@@ -147,6 +147,60 @@ TEST(LightSolve, PlacesCamerasThatAreKnown) {
   }
 }
 
+// How far a camera is from the first one, and what is said of the error of that.
+struct Length {
+  double value = 0;
+  double sigma = 0;
+};
+Length length_of(const LightSolution& solved, std::size_t camera) {
+  const auto& place = solved.rig.cameras[camera].rig_from_camera.translation;
+  const Eigen::Vector3d at(place[0], place[1], place[2]);
+  const auto n = static_cast<Eigen::Index>(solved.names.size());
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::string& name = solved.names[static_cast<std::size_t>(i)];
+    for (const auto& [end, k] : {std::pair(".tx", 0), {".ty", 1}, {".tz", 2}}) {
+      const double unit = at[k] / at.norm();
+      if (name == "cam" + std::to_string(camera) + end) along[i] += unit;
+      if (name == std::string("cam0") + end) along[i] -= unit;
+    }
+  }
+  const Eigen::Map<const Eigen::MatrixXd> covariance(solved.covariance.data(), n, n);
+  return {at.norm(), std::sqrt(std::max(0.0, along.dot(covariance * along)))};
+}
+
+// A distance that is known to some millimetres makes all lengths as well known as itself: a tape
+// that is wrong by its sigma is wrong so in all of them, and nothing else is.
+TEST(LightSolve, LengthsAreAsWellKnownAsTheDistance) {
+  constexpr double kSigma = 0.02;  // m
+  Random random(12);
+  const LitRoom room = scenes::lit_room(5, random);
+  const auto seen = scenes::see_lights(room, scenes::lights_in(room, 400, random), random);
+  const auto distance_of = [&](std::size_t camera) {
+    return (room.room_from_camera[camera].translation - room.room_from_camera[0].translation)
+        .norm();
+  };
+  const double known = distance_of(2);
+  LightOptions exact;
+  set_known_distance({"cam0", "cam2", known, 0}, exact);
+  LightOptions taped;
+  set_known_distance({"cam0", "cam2", known + kSigma, kSigma}, taped);
+  const auto once = solve_light(seen, exact);
+  const auto again = solve_light(seen, taped);
+  ASSERT_TRUE(once.has_value()) << once.error().message;
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_NEAR(length_of(*once, 2).value, known, 1e-9);
+  EXPECT_LT(length_of(*once, 2).sigma, 1e-6);
+  EXPECT_NEAR(length_of(*again, 2).value, known + kSigma, 1e-9);
+  EXPECT_NEAR(length_of(*again, 2).sigma, kSigma, 1e-6);
+  for (const std::size_t other : {1U, 3U, 4U}) {
+    const Length taken = length_of(*again, other);
+    const double by_tape = kSigma * taken.value / (known + kSigma);
+    EXPECT_NEAR(taken.sigma, std::hypot(length_of(*once, other).sigma, by_tape), 0.02 * by_tape);
+    EXPECT_LT(std::abs(taken.value - distance_of(other)), 4 * taken.sigma);
+  }
+}
+
 // Some known, some not.
 TEST(LightSolve, TakesWhatIsKnownOfSomeCameras) {
   Random random(10);

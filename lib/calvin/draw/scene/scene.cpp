@@ -146,6 +146,21 @@ void cut(std::vector<Eigen::Vector3d>& rays, double depth) {
   for (Eigen::Vector3d& ray : rays) ray *= is_wide ? kShorter * depth : depth / ray.z();
 }
 
+// Of a file that does not say the size of its pictures they are drawn about the principal point.
+Result<Camera> drawn_camera(Calibration calibration) {
+  if (calibration.image_size == ImageSize{}) {
+    const Parameter* cx = calibration.find("cx");
+    const Parameter* cy = calibration.find("cy");
+    const auto length = [](const Parameter* centre) {
+      constexpr double kMost = 1e5;  // px
+      return static_cast<int>(
+          std::clamp(centre == nullptr ? 0 : 2 * centre->value + 1, 2.0, kMost));
+    };
+    calibration.image_size = {length(cx), length(cy)};
+  }
+  return Camera::make(calibration);
+}
+
 class SceneMaker {
  public:
   explicit SceneMaker(const Rig& rig) : rig_(rig) {
@@ -225,7 +240,7 @@ class SceneMaker {
     const SceneColour colour = kColours[number % kColours.size()];
     const SE3 pose = to_se3(camera.rig_from_camera);
     scene_.labels.push_back({pose.translation, camera.calibration.camera, colour});
-    const auto lens = Camera::make(camera.calibration);
+    const auto lens = drawn_camera(camera.calibration);
     if (!lens) return;
     add_axis(pose, colour);
     auto border = border_rays(*lens);

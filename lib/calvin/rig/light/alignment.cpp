@@ -141,15 +141,16 @@ Eigen::MatrixXd by_similarity(Eigen::Index count, const std::vector<Eigen::Index
 }  // namespace
 
 Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
-                        const std::vector<KnownPlace>& places, bool has_unit) {
+                        const std::vector<KnownPlace>& places, bool has_unit, double length_sigma) {
   const Clouds clouds = clouds_of(rig_from_camera, places);
   if (places.size() >= kFramed) return by_frame(clouds, has_unit);
   const double length = (places[1].place - places[0].place).norm();
   const double own = (clouds.rig[1] - clouds.rig[0]).norm();
   if (!(length > 0) || !(own > 0)) return collinear();
   Alignment result;
+  result.length_sigma = length_sigma;
   if (has_unit) {
-    result.scale_by_places = {length / own, 0};
+    result.scale_by_places = {length / own, length_sigma / own};
   } else {
     result.world_from_rig.scale = length / own;
   }
@@ -190,7 +191,8 @@ Eigen::MatrixXd covariance_by_places(const Eigen::MatrixXd& covariance,
   const Eigen::MatrixXd kept =
       Eigen::MatrixXd::Identity(count, count) - by * (inverse * (moved.transpose() * seen));
   const Eigen::MatrixXd of_rig = kept * covariance * kept.transpose();
-  double variance = 0;  // m^2, of the known places
+  // m^2, of the known places
+  double variance = alignment.length_sigma * alignment.length_sigma;
   if (alignment.rms && 3 * known > freedom) {
     const double expected = (seen * of_rig * seen.transpose()).trace();
     const double left = static_cast<double>(known) * *alignment.rms * *alignment.rms;

@@ -30,6 +30,7 @@ struct Alignment {
   Similarity world_from_rig;
   bool is_framed = false;  // by three places or more; else by a length alone, and the frame stays
   std::optional<double> rms;  // m, of what is left of three known places or more
+  double length_sigma = 0;    // m, of the distance between two
   // Of a rig that has its unit: how much larger it is by the places, and how well they tell that by
   // how well they fit.
   struct ScaleByPlaces {
@@ -39,11 +40,13 @@ struct Alignment {
   std::optional<ScaleByPlaces> scale_by_places;
 };
 
-// Where `has_unit` the rig does not grow: the places give its frame, and two of them nothing. By
-// least squares (S. Umeyama, PAMI 13(4), 1991). kDegenerate where three places or more lie on
-// one line or two are the same; kInvalidArgument where they fit as their own mirror image alone.
+// `length_sigma`, m: how well the distance between two places is known. Where `has_unit` the rig
+// does not grow: the places give its frame, and two of them nothing. By least squares (S. Umeyama,
+// PAMI 13(4), 1991). kDegenerate where three places or more lie on one line or two are the same;
+// kInvalidArgument where they fit as their own mirror image alone.
 [[nodiscard]] Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
-                                      const std::vector<KnownPlace>& places, bool has_unit = false);
+                                      const std::vector<KnownPlace>& places, bool has_unit = false,
+                                      double length_sigma = 0);
 
 // The covariance of turns and places of all cameras about the axes of the world, in which the known
 // places decide what is not known of the rig as a whole. `covariance` is that before, over numbers

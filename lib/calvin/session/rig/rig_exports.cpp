@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -25,6 +26,26 @@ namespace {
 Status write_text(const std::filesystem::path& path, const Result<std::string>& text) {
   if (!text) return tl::unexpected<Error>(text.error());
   return write_file(path.string(), *text);
+}
+
+Status write_two(const std::filesystem::path& folder, const std::string& first_name,
+                 const Result<std::string>& first, const std::string& second_name,
+                 const Result<std::string>& second) {
+  std::error_code none;
+  std::filesystem::create_directories(folder, none);
+  Status written = write_text(folder / first_name, first);
+  return written ? write_text(folder / second_name, second) : written;
+}
+
+Status write_opencv(const std::string& path, const Rig& rig, const RectifiedPair& pair) {
+  std::error_code none;
+  if (!path.ends_with('/') && !std::filesystem::is_directory(path, none)) {
+    return write_text(path, print_opencv_stereo(rig, pair));
+  }
+  auto files = print_opencv_stereo_files(rig, pair);
+  if (!files) return tl::unexpected<Error>(files.error());
+  return write_two(path, "intrinsics.yml", std::move(files->intrinsics), "extrinsics.yml",
+                   std::move(files->extrinsics));
 }
 
 tl::unexpected<Error> wrong(std::string_view part, std::string_view why) {
@@ -67,13 +88,9 @@ Status write_rig_export(const RigExport& to, const Rig& rig) {
   if (!is_stereo) return write_rig(to.path, rig, to.format);
   const auto pair = rectified_pair(rig);
   if (!pair) return tl::unexpected<Error>(pair.error());
-  if (to.format == "opencv") return write_text(to.path, print_opencv_stereo(rig, *pair));
-  const std::filesystem::path folder(to.path);
-  std::error_code none;
-  std::filesystem::create_directories(folder, none);
-  Status left = write_text(folder / "left.yaml", print_ros_stereo(rig, *pair, true));
-  if (!left) return left;
-  return write_text(folder / "right.yaml", print_ros_stereo(rig, *pair, false));
+  if (to.format == "opencv") return write_opencv(to.path, rig, *pair);
+  return write_two(to.path, "left.yaml", print_ros_stereo(rig, *pair, true), "right.yaml",
+                   print_ros_stereo(rig, *pair, false));
 }
 
 }  // namespace calvin

@@ -18,8 +18,9 @@ struct RigExport {
   std::string path;  // a file, or the folder of a format that has several
 };
 
-// Those of rig_formats(), and of two cameras "opencv" (the stereo parameters, YAML) and "ros" (a
-// folder with left.yaml and right.yaml).
+// Those of rig_formats(), and of two cameras "opencv" (the stereo parameters, YAML; where the path
+// ends with / or is a folder, intrinsics.yml and extrinsics.yml in it, as OpenCV's sample has them)
+// and "ros" (a folder with left.yaml and right.yaml).
 [[nodiscard]] std::vector<std::string_view> rig_export_formats();
 
 // "FORMAT:PATH,FORMAT:PATH"; none in an empty text. kInvalidArgument, with a right one, and for two

@@ -145,6 +145,11 @@ class RigSession {
   // False where there is no such camera.
   bool reinsert(const std::string& name);
 
+  // What is kept of a camera, in the order in which it was kept; manual points first.
+  [[nodiscard]] std::vector<SharedView> kept_views(std::size_t camera) {
+    return at(camera).views();
+  }
+
   [[nodiscard]] RigProgress progress() const;
   // Why there is nothing to solve: which camera lacks what.
   [[nodiscard]] Error lack() const;
