@@ -5,6 +5,7 @@
 
 #include "calvin/target/artwork/artwork.hpp"
 
+#include <algorithm>
 #include <variant>
 
 #include "calvin/target/kinds.hpp"
@@ -220,17 +221,22 @@ void print(Artwork& artwork, const AprilGrid& board) {
   fill_cells(artwork, [&](int col, int row) { return cells.is_dark(col, row); });
 }
 
-// A grid of tags, cut as its tags are, with their borders, into cells, and around them.
+// A grid of tags, cut as its tags are, with their borders and what they have outside of these, into
+// cells, and around them.
 class TagGridCells {
  public:
-  explicit TagGridCells(const TagGrid& board) : board_(board) {}
+  explicit TagGridCells(const TagGrid& board)
+      : board_(board),
+        outside_(board.dictionary->outside),
+        tag_cells_(board.cells() + 2 * outside_) {}
 
   // `from` and `to` are the ends of the outline.
   [[nodiscard]] std::vector<double> cuts(int tags, double from, double to) const {
     std::vector<double> cuts = {from};
     for (int i = 0; i < tags; ++i) {
-      for (int k = 0; k <= board_.cells(); ++k) {
-        cuts.push_back(board_.grid().distance_to(2 * i) + k * board_.tag / board_.cells());
+      for (int k = -outside_; k <= board_.cells() + outside_; ++k) {
+        const double at = board_.grid().distance_to(2 * i) + k * board_.tag / board_.cells();
+        cuts.push_back(std::max(at, cuts.back()));  // there may be nothing between two tags
       }
     }
     cuts.push_back(to);
@@ -239,17 +245,16 @@ class TagGridCells {
 
   // Before colours are exchanged.
   [[nodiscard]] bool is_dark(int col, int row) const {
-    const int period = board_.cells() + 1;
+    const int period = tag_cells_ + 1;
     if (col % period == 0 || row % period == 0) return false;
-    const int i = col % period - 1 - board_.border;
-    const int j = row % period - 1 - board_.border;
-    const int side = board_.dictionary->side;
-    if (i < 0 || j < 0 || i >= side || j >= side) return true;
-    return !board_.is_light(board_.tag_in(col / period, row / period), i, j);
+    return board_.is_dark(board_.tag_in(col / period, row / period), col % period - 1 - outside_,
+                          row % period - 1 - outside_);
   }
 
  private:
   const TagGrid& board_;
+  int outside_;
+  int tag_cells_;  // along a side
 };
 
 void print(Artwork& artwork, const TagGrid& board) {

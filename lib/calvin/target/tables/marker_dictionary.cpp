@@ -10,6 +10,7 @@ namespace calvin {
 namespace {
 
 constexpr std::string_view kAprilTags = "DICT_APRILTAG_";
+constexpr std::string_view kAprilTags3 = "tag";
 
 }  // namespace
 
@@ -30,9 +31,10 @@ const MarkerDictionary* find_family(std::string_view name) noexcept {
     if (!name.starts_with(prefix)) continue;
     const std::string_view family = name.substr(prefix.size());
     for (const MarkerDictionary& dictionary : marker_dictionaries()) {
-      if (dictionary.name.starts_with(kAprilTags) &&
-          dictionary.name.substr(kAprilTags.size()) == family) {
-        return &dictionary;
+      for (const std::string_view known : {kAprilTags, kAprilTags3}) {
+        if (dictionary.name.starts_with(known) && dictionary.name.substr(known.size()) == family) {
+          return &dictionary;
+        }
       }
     }
   }
