@@ -50,6 +50,11 @@ struct TagGrid {
   // border, and around it; before colours are exchanged.
   [[nodiscard]] bool is_dark(int id, int col, int row) const;
 
+  // Whether nothing lies between the cells outside of borders; texts have lengths to a nanometre.
+  [[nodiscard]] bool are_touching() const noexcept {
+    constexpr double kRounded = 1e-6;  // of a tag
+    return gap < (least_gap_share() + kRounded) * tag;
+  }
   // Of a tag's side, so much gap that the cells outside of borders do not meet.
   [[nodiscard]] double least_gap_share() const noexcept {
     return 2.0 * dictionary->outside / cells();
