@@ -69,6 +69,10 @@ struct MarkerDictionary {
 // The inverse, which takes "25h9", "t25h9" and "Standard41h12", too.
 [[nodiscard]] const MarkerDictionary* find_family(std::string_view name) noexcept;
 
+// Whether this build knows those of OpenCV, and the families of AprilTag 3.
+[[nodiscard]] bool has_opencv_dictionaries() noexcept;
+[[nodiscard]] bool has_april_tag_3() noexcept;
+
 // All that this build knows; none where it was made without OpenCV and libapriltag.
 [[nodiscard]] std::span<const MarkerDictionary> marker_dictionaries() noexcept;
 

@@ -20,8 +20,6 @@
 namespace calvin {
 namespace {
 
-bool knows_april_tag_3() { return find_dictionary("tagStandard41h12") != nullptr; }
-
 #if CALVIN_HAVE_APRILTAG
 
 // What is neither a bit nor border nor the ring around it is paper: the corners of round tags.
@@ -37,7 +35,7 @@ bool is_paper(const apriltag_family_t& family, int col, int row) {
 }
 
 TEST(TagFamilies, ArePrintedAsByLibapriltag) {
-  if (!knows_april_tag_3()) GTEST_SKIP() << "this build does not know AprilTag 3";
+  if (!has_april_tag_3()) GTEST_SKIP() << "this build does not know AprilTag 3";
   for (const scenes::AprilMaker& maker : scenes::kAprilMakers) {
     const auto family = scenes::april_family(maker.name);
     const MarkerDictionary* own = find_family(maker.name);
@@ -65,7 +63,7 @@ TEST(TagFamilies, ArePrintedAsByLibapriltag) {
 #endif
 
 TEST(TagFamilies, HaveTextsAndGapsForTheirBits) {
-  if (!knows_april_tag_3()) GTEST_SKIP() << "this build does not know AprilTag 3";
+  if (!has_april_tag_3()) GTEST_SKIP() << "this build does not know AprilTag 3";
   for (const auto& [text, canonical] : {
            std::pair{"apriltag:Standard41h12:4x3:50mm:40mm",
                      "apriltag:tagStandard41h12:4x3:50mm:40mm"},
@@ -103,13 +101,13 @@ TEST(TagFamilies, HaveTextsAndGapsForTheirBits) {
 TEST(TagFamilies, ThatABuildLacksAreExplained) {
   const bool has_any = !marker_dictionaries().empty();
   const auto message_of = [](const char* text) { return parse_board(text).error().message; };
-  if (!knows_april_tag_3()) {
+  if (!has_april_tag_3()) {
     const std::string message = message_of("apriltag:tagCircle21h7:2x2:50mm:50mm");
     EXPECT_NE(message.find("libapriltag-dev"), std::string::npos) << message;
     if (has_any) {
       EXPECT_NE(message.find("apriltag:tagStandard41h12:..."), std::string::npos) << message;
     }
-  } else if (find_dictionary("DICT_4X4_50") == nullptr) {
+  } else if (!has_opencv_dictionaries()) {
     const std::string message = message_of("aruco:4x3:50mm:50mm:DICT_6X6_250");
     EXPECT_NE(message.find("made without OpenCV"), std::string::npos) << message;
     EXPECT_TRUE(parse_board("aprilgrid:6x6:88mm:0.3").has_value());
@@ -121,7 +119,7 @@ TEST(TagFamilies, ThatABuildLacksAreExplained) {
 
 // What is printed of a tag lies around its four corners, on paper of its own.
 TEST(TagFamilies, LieOnTheirOutline) {
-  if (!knows_april_tag_3()) GTEST_SKIP() << "this build does not know AprilTag 3";
+  if (!has_april_tag_3()) GTEST_SKIP() << "this build does not know AprilTag 3";
   const Board touching = parse_board("apriltag:tagStandard41h12:3x2:50mm:40mm").value();
   const Artwork artwork = artwork_of(touching);
   EXPECT_EQ(artwork.cols(), 3 * 9 + 2);

@@ -41,4 +41,7 @@ const MarkerDictionary* find_family(std::string_view name) noexcept {
   return find_dictionary(name);
 }
 
+bool has_opencv_dictionaries() noexcept { return find_dictionary("DICT_4X4_50") != nullptr; }
+bool has_april_tag_3() noexcept { return find_dictionary("tagStandard41h12") != nullptr; }
+
 }  // namespace calvin

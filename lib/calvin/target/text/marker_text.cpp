@@ -25,8 +25,7 @@ namespace calvin {
 
 namespace {
 
-// What OpenCV alone has, and what libapriltag alone has.
-constexpr std::string_view kOfOpenCv = "DICT_4X4_50";
+// What libapriltag alone has.
 constexpr std::array<std::string_view, 5> kOfAprilTag3 = {
     "tagStandard41h12", "tagStandard52h13", "tagCustom48h12", "tagCircle21h7", "tagCircle49h12"};
 
@@ -38,7 +37,7 @@ std::optional<tl::unexpected<Error>> explain_missing_library(std::string_view na
         "Install libopencv-dev and libapriltag-dev and build it with -Dopencv=enabled "
         "-Dapriltag=enabled, or take a PuzzleBoard, which needs none");
   }
-  if (name.starts_with("DICT_") && find_dictionary(kOfOpenCv) == nullptr) {
+  if (name.starts_with("DICT_") && !has_opencv_dictionaries()) {
     return refuse_text(
         fmt::format("this build does not know '{}': it was made without OpenCV, and lacks boards "
                     "with OpenCV's dictionaries. Install libopencv-dev and build it with "
@@ -49,7 +48,7 @@ std::optional<tl::unexpected<Error>> explain_missing_library(std::string_view na
     return name == family || name == family.substr(3);
   };
   const bool is_april = std::ranges::any_of(kOfAprilTag3, is_named);
-  if (!is_april || find_dictionary(kOfAprilTag3.front()) != nullptr) return std::nullopt;
+  if (!is_april || has_april_tag_3()) return std::nullopt;
   std::vector<std::string> boards;
   for (const std::string_view family : kOfAprilTag3) {
     boards.push_back(fmt::format("apriltag:{}:...", family));
