@@ -37,7 +37,8 @@ checkerboard:9x6:25mm:circles (with three circles in its middle, or :circles=1.1
 charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary),
 aprilgrid:6x6:88mm:0.3 (tags, their side, the gap between them as a part of it),
 aruco:5x7:40mm:10mm:DICT_6X6_250 or apriltag:tag36h11:5x7:40mm:10mm (tags, their side, the gap between
-them, their dictionary or family, without squares between their corners),
+them, their dictionary or family, without squares between their corners; families are AprilTag's, such
+as tagStandard41h12, whose gaps hold bits),
 apriltag:tag36h11:80mm:3=0,0+7=250mm,0,90 (tags of that side at these places, the second one turned),
 circles:7x5:30mm, acircles:4x11:20mm or dots:14x10:7mm:rings=2.2+12.2+2.8 (circles, their distance,
 which of them are rings; big=0.0 for larger ones), dots:1mm or lines:1mm (200 of them along each side,

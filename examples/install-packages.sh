@@ -11,7 +11,7 @@ build="gcc g++ meson ninja-build pkg-config
   libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev
   gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
   libeigen3-dev libhwy-dev libfmt-dev nlohmann-json3-dev libexpected-dev
-  libopencv-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev libtomlplusplus-dev"
+  libopencv-dev libapriltag-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev libtomlplusplus-dev"
 test="libgtest-dev libceres-dev libjpeg-dev locales ffmpeg python3 python3-gst-1.0
   gir1.2-gst-rtsp-server-1.0
   fonts-dejavu-core poppler-utils clang-tidy clang-format-14?"

@@ -29,7 +29,7 @@ PACKAGECONFIG[formats] = "-Dformats=enabled,-Dformats=disabled,yaml-cpp pugixml 
 PACKAGECONFIG[v4l2] = "-Dv4l2=enabled,-Dv4l2=disabled"
 PACKAGECONFIG[tools] = "-Dexamples=true,-Dexamples=false"
 
-EXTRA_OEMESON = "-Dopencv=disabled -Dtests=false"
+EXTRA_OEMESON = "-Dopencv=disabled -Dapriltag=disabled -Dtests=false"
 
 # The plugin holds what it uses of the library: a device that only runs pipelines needs no more than
 # gstreamer1.0-calvin.

@@ -2,13 +2,14 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Boards with a code: corners named, corner error and time, beside OpenCV's detectors of ChArUco
-// boards and of AprilTags.
+// boards and of AprilTags, and libapriltag's of the families of AprilTag 3.
 //   bench_codes [PICTURES] [WIDTH HEIGHT]
 // PICTURES per class (100) at 1920x1080. CALVIN_BENCH_CLASS: the classes alone whose names hold it.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@
 #endif
 
 #include "calvin/target/kinds.hpp"
+#if BENCH_HAVE_APRILTAG
+#include "april_tags.hpp"
+#endif
 #include "detect_scenes.hpp"
 #include "detect_subjects.hpp"
 
@@ -31,8 +35,10 @@ struct Subjects {
   const char* board;
   int cols;  // squares
   int rows;
-  int dictionary;  // of OpenCV, negative where it does not know the board
-  float marker;    // of a square
+  int dictionary;                // of OpenCV, negative where it does not know the board
+  float marker;                  // of a square
+  const char* family = nullptr;  // of libapriltag, whose detector is the peer then
+  int bits = 0;                  // that may be wrong for it: its tables for more take gigabytes
 };
 // Boards with an odd number of rows are the same in every version; ids count from the upper left.
 std::vector<std::pair<int, cv::Point2f>> by_opencv_charuco(const cv::Mat& image,
@@ -128,10 +134,48 @@ const Subjects kBoards[] = {
     {"aprilgrid:5x4:88mm:0.3:border=1", 0, 0, cv::aruco::DICT_APRILTAG_36h11, 0},
     {"aruco:6x5:60mm:15mm:DICT_6X6_250", 0, 0, cv::aruco::DICT_6X6_250, 0},
     {"aruco:5x5:60mm:15mm:DICT_4X4_50", 0, 0, cv::aruco::DICT_4X4_50, 0},
+    {"apriltag:tag36h11:6x5:60mm:15mm", 0, 0, -1, 0, "tag36h11", 2},
+    {"apriltag:tagStandard41h12:6x5:40mm:32mm", 0, 0, -1, 0, "tagStandard41h12", 2},
+    {"apriltag:tagCustom48h12:6x5:42mm:28mm", 0, 0, -1, 0, "tagCustom48h12", 0},
+    {"apriltag:tagCircle49h12:5x4:40mm:50mm", 0, 0, -1, 0, "tagCircle49h12", 0},
 };
 
-std::vector<std::pair<int, cv::Point2f>> by_opencv(const cv::Mat& image, const Subjects& board) {
+bool has_peer(const Subjects& board) {
+#if BENCH_HAVE_APRILTAG
+  if (board.family != nullptr) return true;
+#endif
+  return board.dictionary >= 0;
+}
+
+#if BENCH_HAVE_APRILTAG
+std::vector<std::pair<int, cv::Point2f>> by_libapriltag(const cv::Mat& image,
+                                                        const calvin::TagGrid& board,
+                                                        const Subjects& subjects) {
+  static std::map<std::string, calvin::scenes::AprilDetector> detectors;
+  const auto [detector, is_new] =
+      detectors.try_emplace(subjects.family, subjects.family, subjects.bits);
+  const calvin::ImageView view = {image.data, image.cols, image.rows,
+                                  static_cast<std::ptrdiff_t>(image.step[0]), 1};
+  std::vector<std::pair<int, cv::Point2f>> all;
+  const calvin::Grid grid = board.grid();
+  for (const auto& tag : detector->second.detect(view)) {
+    const auto place = board.place_of(tag.id);
+    for (int k = 0; place && k < 4; ++k) {
+      const int id =
+          grid.id({2 * place->col + (k == 1 || k == 2 ? 1 : 0), 2 * place->row + (k >= 2 ? 1 : 0)});
+      const calvin::Pixel& p = tag.corners[static_cast<std::size_t>(k)];
+      all.emplace_back(id, cv::Point2f(static_cast<float>(p.u), static_cast<float>(p.v)));
+    }
+  }
+  return all;
+}
+#endif
+
+std::vector<std::pair<int, cv::Point2f>> by_peer(const cv::Mat& image, const Subjects& board) {
   const calvin::Board text = calvin::parse_board(board.board).value();
+#if BENCH_HAVE_APRILTAG
+  if (board.family != nullptr) return by_libapriltag(image, *text.as<calvin::TagGrid>(), board);
+#endif
   if (const auto* april = text.as<calvin::AprilGrid>()) return by_opencv_april(image, *april);
   if (const auto* tags = text.as<calvin::TagGrid>()) {
     return by_opencv_grid(image, *tags, board.dictionary);
@@ -168,7 +212,7 @@ struct Score {
 };
 
 void print(const char* who, Score& score, int visible) {
-  std::printf(" | %-7s %6.2f %5d %7.4f %6.2f %6.2f", who, 100.0 * score.named / visible,
+  std::printf(" | %-8s %6.2f %5d %7.4f %6.2f %6.2f", who, 100.0 * score.named / visible,
               score.wrong, std::sqrt(score.square / std::max(score.named, 1)), score.quantile(0.5),
               score.quantile(0.95));
 }
@@ -186,16 +230,17 @@ void measure(const Subjects& board, SceneClass kind, int pictures, calvin::Image
     const auto& seen = found.observation;
     for (std::size_t k = 0; k < seen.ids.size(); ++k)
       ours.add(scene.truth, seen.ids[k], seen.uv[k]);
-    if (board.dictionary < 0) continue;
+    if (!has_peer(board)) continue;
+    if (i == 0) (void)by_peer(scene.image, board);  // makes tables
     const double begin = thread_ms();
-    const auto theirs = by_opencv(scene.image, board);
+    const auto theirs = by_peer(scene.image, board);
     peer.ms.push_back(thread_ms() - begin);
     for (const auto& [id, at] : theirs) peer.add(scene.truth, id, {at.x, at.y});
   }
   std::printf("%-16s", kind.name);
   print("calvin", ours, visible);
-  if (board.dictionary >= 0) {
-    print("OpenCV", peer, visible);
+  if (has_peer(board)) {
+    print(board.family != nullptr ? "apriltag" : "OpenCV", peer, visible);
     std::printf(" | %.1f times faster", peer.quantile(0.5) / ours.quantile(0.5));
   }
   std::printf("\n");
@@ -212,10 +257,11 @@ int main(int argc, char** argv) {
                                      : calvin::ImageSize{1920, 1080};
   const char* only = std::getenv("CALVIN_BENCH_CLASS");
   cv::setNumThreads(1);
-  std::printf("%-16s   %-7s %6s %5s %7s %6s %6s\n", "class", "", "named%", "wrong", "RMS px", "ms",
+  std::printf("%-16s   %-8s %6s %5s %7s %6s %6s\n", "class", "", "named%", "wrong", "RMS px", "ms",
               "p95");
   for (const auto& board : bench::kBoards) {
     std::printf("%s\n", board.board);
+    if (!calvin::parse_board(board.board)) continue;  // made without its library
     for (const auto& kind : bench::scene_classes()) {
       const std::string name = kind.name;
       if (kind.dark > kind.bright || *kind.board != 0) continue;

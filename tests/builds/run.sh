@@ -5,7 +5,7 @@
 # A NAME is one of these; without any it does all:
 #   debug debugoptimized plain minsize   gcc, the build types but release
 #   clang       release, by clang++
-#   nofeatures  without OpenCV, Cairo, Pango, YAML, XML and V4L2, with all tests
+#   nofeatures  without OpenCV, libapriltag, Cairo, Pango, YAML, XML and V4L2, with all tests
 #   static      archives, and a program in C that holds the plugin
 #   aarch64     64-bit ARM: the library's tests, the plugin and a pipeline under qemu
 #   benches     each benchmark at its smallest size
@@ -88,8 +88,8 @@ build_named() {
       smoke "$dir/clang"
       ;;
     nofeatures)
-      build nofeatures -Dopencv=disabled -Ddraw=disabled -Dtext=disabled -Dformats=disabled \
-        -Dv4l2=disabled
+      build nofeatures -Dopencv=disabled -Dapriltag=disabled -Ddraw=disabled -Dtext=disabled \
+        -Dformats=disabled -Dv4l2=disabled
       smoke "$dir/nofeatures" --no-suite style
       ;;
     static)

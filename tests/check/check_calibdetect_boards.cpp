@@ -96,13 +96,16 @@ static const struct {
      "aruco:5x4:25mm:5mm:DICT_6X6_50"},
     {"apriltag:tag36h11:4x3:25mm:10mm:first=5", "charuco:5x7:25mm:20mm:DICT_4X4_50",
      "apriltag:tag36h11:4x3:25mm:10mm:first=5"},
+    {"apriltag:tagStandard41h12:4x3:25mm:20mm:first=5", "apriltag:tagStandard41h12:4x3:25mm:20mm",
+     "apriltag:tagStandard41h12:4x3:25mm:20mm:first=5"},
     {"checkerboard:9x6:25mm", "checkerboard:9x6:25mm:circles", "checkerboard:9x6:25mm,"},
     {"checkerboard:9x6:25mm:circles=1.1+2.1+1.2", "checkerboard:9x6:25mm:circles",
      "circles=1.1+2.1+1.2"},
 };
 
 static bool is_known(const char* board) {
-  return !marker_dictionaries().empty() ||
+  if (strncmp(board, "apriltag:tagStandard", 20) == 0) return has_april_tag_3();
+  return has_opencv_dictionaries() ||
          (strncmp(board, "charuco", 7) != 0 && strncmp(board, "april", 5) != 0 &&
           strncmp(board, "aruco", 5) != 0);
 }

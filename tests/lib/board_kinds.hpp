@@ -50,6 +50,9 @@ inline std::vector<NamedBoard> board_of_each_kind() {
            {"TagGrid", "aruco:3x2:40mm:10mm:DICT_4X4_50"},
            {"InvertedTagGrid", "aruco:2x3:40mm:30mm:DICT_6X6_250:first=7:inverted"},
            {"AprilTags", "apriltag:tag25h9:2x2:40mm:20mm:first=3:border=2"},
+           {"AprilTags3", "apriltag:tagStandard41h12:3x2:50mm:45mm:first=2109"},
+           {"RoundTags", "apriltag:tagCircle21h7:2x2:50mm:40mm"},
+           {"InvertedAprilTags3", "apriltag:tagCustom48h12:2x2:60mm:40mm:first=7:inverted"},
            {"AprilGridWithThinBorders", "aprilgrid:2x3:40mm:0.25:tag25h9:border=1:first=4"},
        }) {
     const auto board = parse_board(text);

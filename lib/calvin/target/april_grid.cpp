@@ -39,6 +39,12 @@ Status AprilGrid::check() const {
                       fmt::format("The board {} does not exist: {}.", text(), why));
   };
   if (dictionary == nullptr) return refuse("it has no family of tags");
+  if (dictionary->outside > 0) {
+    return refuse(
+        fmt::format("tags of {} have bits where the squares between tags would be; a "
+                    "grid without squares is apriltag:{}:...",
+                    dictionary->name, dictionary->name));
+  }
   if (!(spacing >= kLeastSpacing && spacing <= kMostSpacing)) {
     return refuse(
         fmt::format("gaps are from {} to {} of a tag's side", kLeastSpacing, kMostSpacing));

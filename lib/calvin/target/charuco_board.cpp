@@ -47,6 +47,12 @@ Status CharucoBoard::check() const {
                       fmt::format("The board {} does not exist: {}.", text(), why));
   };
   if (dictionary == nullptr) return refuse("it has no dictionary of markers");
+  if (dictionary->outside > 0) {
+    return refuse(
+        fmt::format("markers have dark rims, {} has light ones; they make grids, "
+                    "apriltag:{}:...",
+                    dictionary->name, dictionary->name));
+  }
   if (!std::isfinite(marker) || !(marker > 0) || !(marker < square)) {
     return refuse("a marker is smaller than its square");
   }

@@ -25,7 +25,7 @@ struct TagGrid {
   int cols = 0;    // tags along x
   int rows = 0;    // along y
   double tag = 0;  // m, side of a tag with its border
-  double gap = 0;  // m, from one tag to the next
+  double gap = 0;  // m, from the border of one tag to that of the next
   const MarkerDictionary* dictionary = nullptr;
   bool april = false;         // tags stand as AprilTag prints them, the other way up than OpenCV's
   int first = 0;              // the id of the tag at the upper left
@@ -38,14 +38,27 @@ struct TagGrid {
   }
   // The inverse; absent for a tag that is not on the board.
   [[nodiscard]] std::optional<GridPlace> place_of(int id) const noexcept;
-  // A bit of a tag, from its upper left, before colours are exchanged.
+  // A bit of a tag, from the upper left within its border, before colours are exchanged.
   [[nodiscard]] bool is_light(int id, int col, int row) const {
     const int last = dictionary->side - 1;
     return april ? dictionary->is_light(id, last - col, last - row)
                  : dictionary->is_light(id, col, row);
   }
-  // Along a side of a tag, with its border.
+  // Along a side of a tag, with its border; outside of it a tag may have further ones.
   [[nodiscard]] int cells() const noexcept { return dictionary->side + 2 * border; }
+  // What is printed in a cell of a tag, in columns and rows from the upper left corner of its
+  // border, and around it; before colours are exchanged.
+  [[nodiscard]] bool is_dark(int id, int col, int row) const;
+
+  // Whether nothing lies between the cells outside of borders; texts have lengths to a nanometre.
+  [[nodiscard]] bool are_touching() const noexcept {
+    constexpr double kRounded = 1e-6;  // of a tag
+    return gap < (least_gap_share() + kRounded) * tag;
+  }
+  // Of a tag's side, so much gap that the cells outside of borders do not meet.
+  [[nodiscard]] double least_gap_share() const noexcept {
+    return 2.0 * dictionary->outside / cells();
+  }
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] Status check() const;

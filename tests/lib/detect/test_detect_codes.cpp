@@ -105,7 +105,7 @@ void add(const bench::Scene& scene, const Observation& seen, Score& score) {
 class Codes : public ::testing::TestWithParam<Kind> {
  protected:
   void SetUp() override {
-    if (has_markers(GetParam()) && marker_dictionaries().empty()) {
+    if (has_markers(GetParam()) && !has_opencv_dictionaries()) {
       GTEST_SKIP() << "this build knows no dictionary of markers";
     }
   }
@@ -200,7 +200,7 @@ TEST(WrongPuzzle, IsSaidByItsPlace) {
 
 // Of an AprilGrid with other tags, or more of them, the text is known too.
 TEST(WrongAprilGrid, IsSaidByItsTags) {
-  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   const auto detector = make_detector(parse_board("aprilgrid:4x3:40mm:0.3").value()).value();
   for (const char* text : {"aprilgrid:4x3:40mm:0.3:first=12", "aprilgrid:4x4:40mm:0.3",
                            "aprilgrid:3x5:40mm:0.3", "aprilgrid:2x3:40mm:0.3:first=100"}) {

@@ -68,7 +68,7 @@ TEST_P(RealCharuco, IsFoundAsOftenAsByOpenCv) {
   const Set& set = GetParam();
   const auto folder = real_data(set.folder);
   if (folder.empty()) GTEST_SKIP() << "without CALVIN_DATA there is no " << set.folder;
-  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   const Board board = parse_board(set.board).value();
   const auto detector = make_detector(board).value();
   std::vector<View> views;
@@ -97,7 +97,7 @@ TEST_P(RealCharuco, IsFoundAsOftenAsByOpenCv) {
 TEST(RealCharucoOrder, IsThatOfTheText) {
   const auto folder = real_data("charuco-photonvision-legacy-480");
   if (folder.empty()) GTEST_SKIP() << "without CALVIN_DATA there is no such set";
-  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   const Board board = parse_board("charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000").value();
   const auto detector = make_detector(board).value();
   for (const auto& picture : pictures_of(folder, ".jpg")) {
@@ -127,7 +127,7 @@ TEST_P(RealAprilGrid, IsFoundWholeInEveryPicture) {
   const AprilSet& set = GetParam();
   const auto folder = real_data(set.folder);
   if (folder.empty()) GTEST_SKIP() << "without CALVIN_DATA there is no " << set.folder;
-  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   const Board board = parse_board(set.board).value();
   const auto detector = make_detector(board).value();
   const auto pictures = pictures_of(folder, set.extension);

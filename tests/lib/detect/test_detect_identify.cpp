@@ -81,6 +81,14 @@ constexpr const char* kWithMarkers[] = {"charuco:5x7:25mm:12.5mm:DICT_6X6_50",
                                         "aruco:4x4:25mm:6.25mm:DICT_APRILTAG_36h11:first=40",
                                         "apriltag:tag36h11:5x3:25mm:10mm:first=300"};
 
+// Tags that touch, and some that do not.
+constexpr const char* kOfAprilTag3[] = {
+    "apriltag:tagStandard41h12:5x4:25mm:20mm:first=100",
+    "apriltag:tagStandard52h13:3x4:25mm:16.666667mm:first=48000",
+    "apriltag:tagCustom48h12:4x3:25mm:20mm:first=42000",
+    "apriltag:tagCircle49h12:3x3:25mm:32.5mm:first=65000",
+    "apriltag:tagCircle21h7:4x3:25mm:37.5mm:inverted"};
+
 void expect_identified(const char* text) {
   const Board board = parse_board(text).value();
   for (const double turn : {0.1, 1.6, 3.3, 4.7}) {
@@ -97,14 +105,19 @@ TEST(Identify, NamesBoardsWithoutMarkers) {
 }
 
 TEST(Identify, NamesBoardsWithMarkers) {
-  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   for (const char* text : kWithMarkers) expect_identified(text);
+}
+
+TEST(Identify, NamesBoardsOfAprilTag3) {
+  if (!has_april_tag_3()) GTEST_SKIP() << "made without libapriltag";
+  for (const char* text : kOfAprilTag3) expect_identified(text);
 }
 
 // The middles of a single row or column of tags fill the picture: whether more of them follow is
 // not seen.
 TEST(Identify, NamesRowsOfTags) {
-  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   for (const char* text :
        {"aruco:1x5:25mm:10mm:DICT_7X7_50:border=2", "apriltag:tag25h9:3x1:25mm:5mm:border=2"}) {
     for (const double turn : {0.1, 1.6, 3.3}) {
@@ -121,7 +134,7 @@ TEST(Identify, TellsAMirror) {
             "~puzzle:14x9:25mm");
   EXPECT_EQ(first_of(mirrored(picture_of(parse_board("checkerboard:9x6:25mm").value(), 0.1))),
             "checkerboard:9x6:25mm");
-  if (marker_dictionaries().empty()) return;
+  if (!has_opencv_dictionaries()) return;
   EXPECT_EQ(
       first_of(mirrored(picture_of(parse_board("charuco:5x7:25mm:20mm:DICT_4X4_50").value(), 0.1))),
       "~charuco:5x7:25mm:20mm:DICT_4X4_50");

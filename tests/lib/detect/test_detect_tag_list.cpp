@@ -32,7 +32,7 @@ constexpr const char* kCube =
 class TagLists : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+    if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   }
 };
 

@@ -35,7 +35,7 @@ ImageView view_of(const cv::Mat& image) {
 class Tags : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+    if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   }
 };
 
@@ -60,9 +60,12 @@ struct Score {
 
 // As by looking at all codes in all turns: codes with some wrong bits, and any bits.
 TEST_F(Tags, HaveTheNearestOfAllCodes) {
-  for (const char* name : {"DICT_4X4_50", "DICT_6X6_250", "DICT_ARUCO_ORIGINAL"}) {
+  for (const char* name :
+       {"DICT_4X4_50", "DICT_6X6_250", "DICT_ARUCO_ORIGINAL", "tagStandard41h12"}) {
+    if (find_dictionary(name) == nullptr) continue;
     const MarkerDictionary& dictionary = *find_dictionary(name);
-    const int bits = dictionary.side * dictionary.side;
+    const detect::QuarterTurn turned_by_one(dictionary);
+    const int bits = dictionary.bit_count();
     constexpr int kMostWrong = 3;
     const detect::CodeIndex index(dictionary, kMostWrong);
     scenes::Random random(5);
@@ -71,7 +74,7 @@ TEST_F(Tags, HaveTheNearestOfAllCodes) {
       std::uint64_t code = random() & ((std::uint64_t{1} << bits) - 1);
       if (n % 4 != 0) {
         code = dictionary.codes[random() % dictionary.codes.size()];
-        for (int turns = 0; turns < n % 4; ++turns) code = detect::turned(code, dictionary.side);
+        for (int turns = 0; turns < n % 4; ++turns) code = turned_by_one(code);
         for (int wrong = 0; wrong < n % 6; ++wrong) code ^= std::uint64_t{1} << random() % bits;
       }
       int least = bits;
@@ -80,7 +83,7 @@ TEST_F(Tags, HaveTheNearestOfAllCodes) {
         for (const std::uint64_t own : dictionary.codes) {
           least = std::min(least, std::popcount(turned ^ own));
         }
-        turned = detect::turned(turned, dictionary.side);
+        turned = turned_by_one(turned);
       }
       const auto found = index.nearest(code);
       ASSERT_EQ(found.has_value(), least <= kMostWrong) << name << ' ' << n;
@@ -89,7 +92,7 @@ TEST_F(Tags, HaveTheNearestOfAllCodes) {
       EXPECT_EQ(found->wrong, least);
       // Turned back by as many quarters it is the code that was named.
       for (int turns = found->turns; turns % 4 != 0; ++turns) {
-        code = detect::turned(code, dictionary.side);
+        code = turned_by_one(code);
       }
       EXPECT_EQ(std::popcount(code ^ dictionary.codes[static_cast<std::size_t>(found->id)]), least)
           << name << ' ' << n;

@@ -155,7 +155,7 @@ SideModel SideSteps::model() const {
   numbers(guess_.border, model.border);
   numbers(guess_.second, model.second);
   numbers(guess_.gap, model.gap);
-  model.beyond = guess_.beyond ? 1 : 0;
+  model.has_beyond = guess_.beyond || !guess_.outer.empty();
   return model;
 }
 

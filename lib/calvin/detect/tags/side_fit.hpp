@@ -11,9 +11,9 @@
 // with t along the side, -1 to 1 from one corner of the tag to the other, n the distance from the
 // line between these corners, positive outside, in(t) and out(t) linear. `first` and `second` are
 // the bits of the first two rows behind the border, blurred along the side, and begin at `border`
-// and `second`, which are negative; `beyond` is 1 where another tag begins at `gap`. Estimated:
-// offset, slope, the bend as far as it is not known, the width and the four numbers of the grey
-// levels.
+// and `second`, which are negative; `beyond` is 1 where another tag, or a bit of the tag's own that
+// is like its border, begins at `gap`. Estimated: offset, slope, the bend as far as it is not
+// known, the width and the four numbers of the grey levels.
 #pragma once
 
 #include <optional>
@@ -51,6 +51,9 @@ struct SideGuess {
   std::vector<double> cuts;   // t, from the first bit to the end of the last one
   std::vector<float> first;   // 1 for a light bit
   std::vector<float> behind;  // of the second row
+  // Where a tag has bits outside of its border: 0 for one that is like what is around the border.
+  std::vector<double> outer_cuts;
+  std::vector<float> outer;
 };
 
 struct SideFit {

@@ -100,31 +100,10 @@ struct Interval {
   }
 };
 
-// Bits of both rows behind the border as blur along the side leaves them.
+// Rows of bits as blur along the side leaves them.
+template <std::size_t kRows>
 class BlurredBits {
  public:
-  BlurredBits(const SideGuess& guess, double width) {
-    add(guess.cuts, guess.first, width, 0);
-    add(guess.cuts, guess.behind, width, 1);
-  }
-  void at(float t, float& first, float& second) const {
-    const float place = std::clamp(0.5F * (t + 1), 0.0F, 0.9999F) * (kSamples - 1);
-    const auto i = static_cast<std::size_t>(place);
-    const float share = place - static_cast<float>(i);
-    const std::array<float, 2>& before = samples_[i];
-    const std::array<float, 2>& after = samples_[i + 1];
-    first = before[0] + share * (after[0] - before[0]);
-    second = before[1] + share * (after[1] - before[1]);
-  }
-
- private:
-  static constexpr int kSamples = 97;
-
-  // The sample at a place t along the side, or the one after it.
-  static int sample_from(double t) {
-    return static_cast<int>(
-        std::clamp(std::ceil(0.5 * (t + 1) * (kSamples - 1)), 0.0, static_cast<double>(kSamples)));
-  }
   void add(const std::vector<double>& cuts, const std::vector<float>& bits, double width,
            std::size_t row) {
     constexpr double kFar = 5;  // sigmas, from where a blurred edge is over
@@ -143,6 +122,25 @@ class BlurredBits {
       }
     }
   }
+  [[nodiscard]] std::array<float, kRows> at(float t) const {
+    const float place = std::clamp(0.5F * (t + 1), 0.0F, 0.9999F) * (kSamples - 1);
+    const auto i = static_cast<std::size_t>(place);
+    const float share = place - static_cast<float>(i);
+    const std::array<float, kRows>& before = samples_[i];
+    const std::array<float, kRows>& after = samples_[i + 1];
+    std::array<float, kRows> bits;
+    for (std::size_t k = 0; k < kRows; ++k) bits[k] = before[k] + share * (after[k] - before[k]);
+    return bits;
+  }
+
+ private:
+  static constexpr int kSamples = 97;
+
+  // The sample at a place t along the side, or the one after it.
+  static int sample_from(double t) {
+    return static_cast<int>(
+        std::clamp(std::ceil(0.5 * (t + 1) * (kSamples - 1)), 0.0, static_cast<double>(kSamples)));
+  }
   // A blurred edge at a distance in sigmas, within 3e-4: Abramowitz and Stegun, 7.1.27.
   static double step(double sigmas) {
     const double x = std::abs(0.70710678118654752 * sigmas);
@@ -151,7 +149,7 @@ class BlurredBits {
     return sigmas > 0 ? 1 - rest : rest;
   }
 
-  std::array<std::array<float, 2>, kSamples> samples_{};
+  std::array<std::array<float, kRows>, kSamples> samples_{};
 };
 
 }  // namespace
@@ -198,7 +196,12 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
     top = std::min(top, p.y());
     bottom = std::max(bottom, p.y());
   }
-  const BlurredBits bits(guess, width / frame.half());
+  const double blur = width / frame.half();
+  BlurredBits<2> bits;
+  bits.add(guess.cuts, guess.first, blur, 0);
+  bits.add(guess.cuts, guess.behind, blur, 1);
+  BlurredBits<1> outer;
+  outer.add(guess.outer_cuts, guess.outer, blur, 0);
   const double t_step = frame.along().x() / frame.half();
   const double n_step = frame.outwards().x();
   const double last_row = std::min(image.height - 1.0, std::floor(bottom));
@@ -231,7 +234,11 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
       pixels.t[k] = t + static_cast<float>(i) * by_t;
       pixels.n[k] = n + static_cast<float>(i) * by_n;
       pixels.grey[k] = row[i];
-      bits.at(pixels.t[k], pixels.first[k], pixels.second[k]);
+      const auto [of_first, of_second] = bits.at(pixels.t[k]);
+      pixels.first[k] = of_first;
+      pixels.second[k] = of_second;
+      if (guess.beyond) pixels.beyond[k] = 1;
+      if (!guess.outer.empty()) pixels.beyond[k] = outer.at(pixels.t[k])[0];
     }
   }
   pixels.finish();

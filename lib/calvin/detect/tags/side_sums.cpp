@@ -71,7 +71,7 @@ HWY_INLINE void side_rows(D d, SidePixels& pixels, const SideModel& m, int i, V*
   edges.add(d, set(1), s, scale);
   edges.add(d, hn::Neg(first), from(m.border), scale);
   edges.add(d, hn::Sub(first, second), from(m.second), scale);
-  if (m.beyond != 0) edges.add(d, set(-m.beyond), from(m.gap), scale);
+  if (m.has_beyond) edges.add(d, hn::Neg(load(pixels.beyond)), from(m.gap), scale);
   const V in = hn::MulAdd(set(m.in_slope), t, set(m.in));
   const V contrast = hn::Sub(hn::MulAdd(set(m.out_slope), t, set(m.out)), in);
   const V model = hn::MulAdd(contrast, edges.value, in);
@@ -162,7 +162,7 @@ std::size_t SidePixels::append(int more) {
   count += more;
   const std::size_t needed = static_cast<std::size_t>(count) + kBeyond;
   if (t.size() < needed) {
-    for (auto* numbers : {&t, &n, &grey, &first, &second, &weight, &error}) {
+    for (auto* numbers : {&t, &n, &grey, &first, &second, &beyond, &weight, &error}) {
       numbers->resize(2 * needed, 0);
     }
   }

@@ -31,6 +31,7 @@ struct SidePixels {
   std::vector<float> grey;
   std::vector<float> first;   // the bits of the first row, blurred along the side
   std::vector<float> second;  // and of the second one
+  std::vector<float> beyond;  // and behind the gap
   std::vector<float> weight;  // 1, or 0 for a pixel that shows something else
   std::vector<float> error;   // of the fit, grey levels
 
@@ -54,7 +55,7 @@ struct SideModel {
   float border[2] = {0, 0};
   float second[2] = {0, 0};
   float gap[2] = {0, 0};
-  float beyond = 0;
+  bool has_beyond = false;  // somewhere
 };
 
 // J^T J (upper triangle, row by row), J^T e and e^T e, over the pixels with a weight.

@@ -71,11 +71,20 @@ class SideOf {
       guess_.first.push_back(bit(i, 0));
       guess_.behind.push_back(bit(i, 1));
     }
+    add_outer_bits(frame);
   }
 
   [[nodiscard]] const SideGuess& guess() const { return guess_; }
 
  private:
+  void add_outer_bits(const SideFrame& frame) {
+    const int outside = pattern_.outside();
+    const int end = pattern_.cells() + outside;
+    for (int i = -outside; outside > 0 && i <= end; ++i) {
+      guess_.outer_cuts.push_back(frame.along(at(i, -pattern_.gap - 0.5)));
+      if (i < end) guess_.outer.push_back(1 - cell(i, -static_cast<int>(pattern_.gap) - 1));
+    }
+  }
   [[nodiscard]] Point at(double along, double inwards) const {
     const Point place = pattern_.place(side_, along, inwards);
     const Eigen::Vector3d p = map_ * Eigen::Vector3d(place.x(), place.y(), 1);
@@ -92,9 +101,12 @@ class SideOf {
     return {n0 - slope * t0, slope};
   }
   [[nodiscard]] float bit(int along, int row) const {
-    const Point cell =
-        pattern_.place(side_, pattern_.border + along + 0.5, pattern_.border + row + 0.5);
-    return pattern_.is_light(static_cast<int>(cell.x()), static_cast<int>(cell.y())) ? 1.0F : 0.0F;
+    return cell(pattern_.border + along, pattern_.border + row);
+  }
+  [[nodiscard]] float cell(int along, int inwards) const {
+    const Point middle = pattern_.place(side_, along + 0.5, inwards + 0.5);
+    const auto line = [](double x) { return static_cast<int>(std::floor(x)); };
+    return pattern_.is_light(line(middle.x()), line(middle.y())) ? 1.0F : 0.0F;
   }
 
   const TagPattern& pattern_;

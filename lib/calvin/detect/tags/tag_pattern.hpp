@@ -4,31 +4,42 @@
 // What is printed in a tag and around it. Places are in cells from the upper left corner of a tag.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include <Eigen/Core>
 
 #include "calvin/detect/tags/point.hpp"
+#include "calvin/target/marker_dictionary.hpp"
 
 namespace calvin::detect {
 
 struct TagPattern {
+  const MarkerDictionary* dictionary = nullptr;
   int side = 0;            // bits
   int border = 1;          // cells
-  double gap = 0;          // cells, around the tag
-  bool inverted = false;   // the tag is light
-  std::uint64_t bits = 0;  // in rows, the highest one first; before colours are exchanged
+  double gap = 0;          // cells, around the tag: up to bits outside of it, or to another tag
+  bool inverted = false;   // the border is light
+  std::uint64_t bits = 0;  // as in the dictionary, the tag being the right way up
   // Whether another tag begins behind the gap at each side, from the upper one on clockwise.
   std::array<bool, 4> neighbours{};
 
   [[nodiscard]] int cells() const noexcept { return side + 2 * border; }
+  // Whether a cell is like what is around the border: light where the border is dark. The ring
+  // inside of outer bits is, and so is the free middle of some tags; paper is like the border then.
   [[nodiscard]] bool is_light(int col, int row) const noexcept {
-    const int i = col - border;
-    const int j = row - border;
-    if (i < 0 || j < 0 || i >= side || j >= side) return false;
-    return (bits >> (side * side - 1 - (j * side + i)) & 1) != 0;
+    const int bit = dictionary->bit_at(col - border, row - border);
+    if (bit >= 0) {
+      return ((bits >> (dictionary->bit_count() - 1 - bit) & 1) != 0) !=
+             dictionary->has_light_rim();
+    }
+    const int last = cells() - 1;
+    const int depth = std::min({col, row, last - col, last - row});
+    return dictionary->has_light_rim() && depth >= -1 && (depth < 0 || depth >= border);
   }
+  // Cells outside of the border that belong to the tag.
+  [[nodiscard]] int outside() const noexcept { return dictionary->outside; }
   // The place so many cells along a side, clockwise, and so many inwards.
   [[nodiscard]] Point place(std::size_t of_side, double along, double inwards) const {
     const double n = cells();

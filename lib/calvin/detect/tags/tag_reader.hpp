@@ -5,7 +5,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/tags/code_index.hpp"
@@ -15,7 +17,7 @@
 
 namespace calvin::detect {
 
-// The bits of a quad in rows, the highest one first, as in MarkerDictionary.
+// The bits of a quad, the highest one first, as in MarkerDictionary.
 struct TagBits {
   std::uint64_t plain = 0;
   std::uint64_t sharpened = 0;  // where each cell is compared with those beside it, too
@@ -31,10 +33,11 @@ struct TagMatch {
 
 class TagReader {
  public:
-  // `gap`: what is free around a tag of these boards, in parts of its side.
+  // `gap`: what is free around a tag of these boards, in parts of its side; around one with bits
+  // outside of its border that is known.
   TagReader(const TagStyle& style, double gap);
-  // One that bears so many wrong bits: to find out how many the dictionary can bear takes a while.
-  TagReader(const TagStyle& style, double gap, int most_wrong);
+  // With codes that other readers have, too.
+  TagReader(const TagStyle& style, double gap, std::shared_ptr<const CodeIndex> codes);
 
   // A quad that has the dark border of a tag, whatever its bits are, and light around it; absent
   // for any other one, and for one that is dark all over where no code is.
@@ -57,13 +60,12 @@ class TagReader {
   [[nodiscard]] const TagStyle& style() const { return style_; }
 
  private:
-  class Cells;  // the grey levels of a quad
-
   TagStyle style_;
   double gap_;     // cells, around a tag
   double around_;  // where the light around a tag is looked at, in cells from its border
-  CodeIndex codes_;
-  bool has_light_bits_ = false;  // in each code more than those that may be wrong
+  std::shared_ptr<const CodeIndex> codes_;
+  bool has_light_bits_ = false;       // in each code more than those that may be wrong
+  std::vector<GridPlace> looked_at_;  // bits and the cells beside them, from the first bit's column
 };
 
 }  // namespace calvin::detect

@@ -72,6 +72,7 @@ Quad TagSheet::on_board(GridPlace place) const {
 // With the tags that the board has around it.
 TagPattern TagSheet::pattern(const TagReader& reader, GridPlace place) const {
   TagPattern tag = reader.pattern_of(board_->tag_in(place.col, place.row));
+  if (tag.outside() > 0) return tag;  // its neighbours lie farther away than its own bits
   tag.gap = board_->gap / board_->tag * board_->cells();
   tag.neighbours = {place.row > 0, place.col + 1 < board_->cols, place.row + 1 < board_->rows,
                     place.col > 0};

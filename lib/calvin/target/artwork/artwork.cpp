@@ -5,6 +5,7 @@
 
 #include "calvin/target/artwork/artwork.hpp"
 
+#include <optional>
 #include <variant>
 
 #include "calvin/target/kinds.hpp"
@@ -220,17 +221,25 @@ void print(Artwork& artwork, const AprilGrid& board) {
   fill_cells(artwork, [&](int col, int row) { return cells.is_dark(col, row); });
 }
 
-// A grid of tags, cut as its tags are, with their borders, into cells, and around them.
+// A grid of tags, cut as its tags are, with their borders and what they have outside of these, into
+// cells, and around them.
 class TagGridCells {
  public:
-  explicit TagGridCells(const TagGrid& board) : board_(board) {}
+  explicit TagGridCells(const TagGrid& board)
+      : board_(board),
+        outside_(board.dictionary->outside),
+        tag_cells_(board.cells() + 2 * outside_),
+        gap_cells_(board.are_touching() ? 0 : 1) {}
 
   // `from` and `to` are the ends of the outline.
   [[nodiscard]] std::vector<double> cuts(int tags, double from, double to) const {
     std::vector<double> cuts = {from};
     for (int i = 0; i < tags; ++i) {
-      for (int k = 0; k <= board_.cells(); ++k) {
-        cuts.push_back(board_.grid().distance_to(2 * i) + k * board_.tag / board_.cells());
+      // Where tags touch, one begins where the other one ends.
+      const int first = i > 0 && gap_cells_ == 0 ? 1 : 0;
+      for (int k = first; k <= tag_cells_; ++k) {
+        cuts.push_back(board_.grid().distance_to(2 * i) +
+                       (k - outside_) * board_.tag / board_.cells());
       }
     }
     cuts.push_back(to);
@@ -239,17 +248,29 @@ class TagGridCells {
 
   // Before colours are exchanged.
   [[nodiscard]] bool is_dark(int col, int row) const {
-    const int period = board_.cells() + 1;
-    if (col % period == 0 || row % period == 0) return false;
-    const int i = col % period - 1 - board_.border;
-    const int j = row % period - 1 - board_.border;
-    const int side = board_.dictionary->side;
-    if (i < 0 || j < 0 || i >= side || j >= side) return true;
-    return !board_.is_light(board_.tag_in(col / period, row / period), i, j);
+    const auto x = cell_of(col, board_.cols);
+    const auto y = cell_of(row, board_.rows);
+    return x && y && board_.is_dark(board_.tag_in(x->tag, y->tag), x->at, y->at);
   }
 
  private:
+  struct Cell {
+    int tag = 0;
+    int at = 0;  // from its border on
+  };
+  // Absent beside the tags.
+  [[nodiscard]] std::optional<Cell> cell_of(int line, int tags) const {
+    const int period = tag_cells_ + gap_cells_;
+    const int tag = (line - 1) / period;
+    const int at = (line - 1) % period;
+    if (line == 0 || tag >= tags || at >= tag_cells_) return std::nullopt;
+    return Cell{tag, at - outside_};
+  }
+
   const TagGrid& board_;
+  int outside_;
+  int tag_cells_;  // along a side
+  int gap_cells_;  // between two tags
 };
 
 void print(Artwork& artwork, const TagGrid& board) {

@@ -61,12 +61,18 @@ bool is_number(const TagList::Tag& tag) {
          std::ranges::all_of(tag.turn, finite);
 }
 
-BoardArea area_of(const TagList& list, double cells_around) {
+// m, of a tag with the cells outside of its border.
+double whole_size(const TagList& list, const TagList::Tag& tag) {
+  return tag.size * (1 + list.grid_of(tag).least_gap_share());
+}
+
+// `with_margins`: with what is free around tags.
+BoardArea area_of(const TagList& list, bool with_margins) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   BoardArea area{kFar, kFar, -kFar, -kFar};
   for (const TagList::Tag& tag : list.tags) {
     const SE3 frame = TagList::board_from_grid(tag);
-    const double around = list.dictionary == nullptr ? 0 : cells_around * list.grid_of(tag).gap;
+    const double around = list.dictionary == nullptr || !with_margins ? 0 : list.grid_of(tag).gap;
     for (const double x : {-around, tag.size + around}) {
       for (const double y : {-around, tag.size + around}) {
         const Eigen::Vector3d p = frame * Eigen::Vector3d(x, y, 0);
@@ -82,7 +88,7 @@ BoardArea area_of(const TagList& list, double cells_around) {
 
 TagGrid TagList::grid_of(const Tag& tag) const {
   TagGrid grid{1, 1, tag.size, 0, dictionary, april, tag.id, border, inverted};
-  grid.gap = tag.size / grid.cells();
+  grid.gap = tag.size / grid.cells() * (dictionary->outside + 1);
   return grid;
 }
 
@@ -135,7 +141,7 @@ Status TagList::check() const {
     }
     for (std::size_t k = 0; flat && k < i; ++k) {
       const double apart = (vector_of(tags[k].middle) - vector_of(tag.middle)).norm();
-      if (!(apart > (tags[k].size + tag.size) / 2)) {
+      if (!(apart > (whole_size(*this, tags[k]) + whole_size(*this, tag)) / 2)) {
         return refuse(fmt::format("the tags {} and {} lie over each other", tags[k].id, tag.id));
       }
     }
@@ -183,8 +189,8 @@ double TagList::cell_size(int id) const noexcept {
   return tag == nullptr ? 0 : tag->size;
 }
 
-BoardArea TagList::extent() const { return area_of(*this, 0); }
-BoardArea TagList::outline() const { return area_of(*this, 1); }
+BoardArea TagList::extent() const { return area_of(*this, false); }
+BoardArea TagList::outline() const { return area_of(*this, true); }
 
 bool TagList::looks_like(const TagList& other) const noexcept {
   return dictionary == other.dictionary && april == other.april && border == other.border &&

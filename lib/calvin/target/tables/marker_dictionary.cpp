@@ -10,6 +10,7 @@ namespace calvin {
 namespace {
 
 constexpr std::string_view kAprilTags = "DICT_APRILTAG_";
+constexpr std::string_view kAprilTags3 = "tag";
 
 }  // namespace
 
@@ -30,13 +31,17 @@ const MarkerDictionary* find_family(std::string_view name) noexcept {
     if (!name.starts_with(prefix)) continue;
     const std::string_view family = name.substr(prefix.size());
     for (const MarkerDictionary& dictionary : marker_dictionaries()) {
-      if (dictionary.name.starts_with(kAprilTags) &&
-          dictionary.name.substr(kAprilTags.size()) == family) {
-        return &dictionary;
+      for (const std::string_view known : {kAprilTags, kAprilTags3}) {
+        if (dictionary.name.starts_with(known) && dictionary.name.substr(known.size()) == family) {
+          return &dictionary;
+        }
       }
     }
   }
   return find_dictionary(name);
 }
+
+bool has_opencv_dictionaries() noexcept { return find_dictionary("DICT_4X4_50") != nullptr; }
+bool has_april_tag_3() noexcept { return find_dictionary("tagStandard41h12") != nullptr; }
 
 }  // namespace calvin

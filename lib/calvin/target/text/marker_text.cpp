@@ -6,8 +6,10 @@
 #include "calvin/target/text/marker_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,13 +25,43 @@ namespace calvin {
 
 namespace {
 
-Result<const MarkerDictionary*> parse_dictionary(std::string_view name) {
-  if (const MarkerDictionary* dictionary = find_dictionary(name)) return dictionary;
+// What libapriltag alone has.
+constexpr std::array<std::string_view, 5> kOfAprilTag3 = {
+    "tagStandard41h12", "tagStandard52h13", "tagCustom48h12", "tagCircle21h7", "tagCircle49h12"};
+
+// Why a build does not know what its libraries have.
+std::optional<tl::unexpected<Error>> explain_missing_library(std::string_view name) {
   if (marker_dictionaries().empty()) {
     return refuse_text(
-        "this build knows no dictionary of markers: it was made without OpenCV. Build it with "
-        "-Dopencv=enabled, or take a PuzzleBoard, which needs none");
+        "this build knows no dictionary of markers: it was made without OpenCV and libapriltag. "
+        "Install libopencv-dev and libapriltag-dev and build it with -Dopencv=enabled "
+        "-Dapriltag=enabled, or take a PuzzleBoard, which needs none");
   }
+  if (name.starts_with("DICT_") && !has_opencv_dictionaries()) {
+    return refuse_text(
+        fmt::format("this build does not know '{}': it was made without OpenCV, and lacks boards "
+                    "with OpenCV's dictionaries. Install libopencv-dev and build it with "
+                    "-Dopencv=enabled, or take a PuzzleBoard, which needs none",
+                    name));
+  }
+  const auto is_named = [name](std::string_view family) {
+    return name == family || name == family.substr(3);
+  };
+  const bool is_april = std::ranges::any_of(kOfAprilTag3, is_named);
+  if (!is_april || has_april_tag_3()) return std::nullopt;
+  std::vector<std::string> boards;
+  for (const std::string_view family : kOfAprilTag3) {
+    boards.push_back(fmt::format("apriltag:{}:...", family));
+  }
+  return refuse_text(
+      fmt::format("this build does not know '{}': it was made without libapriltag, and lacks the "
+                  "boards {}. Install libapriltag-dev and build it with -Dapriltag=enabled",
+                  name, join(boards, ", ")));
+}
+
+Result<const MarkerDictionary*> parse_dictionary(std::string_view name) {
+  if (const MarkerDictionary* dictionary = find_dictionary(name)) return dictionary;
+  if (auto missing = explain_missing_library(name)) return *std::move(missing);
   std::vector<std::string> names;
   for (const MarkerDictionary& known : marker_dictionaries()) names.emplace_back(known.name);
   return refuse_text(

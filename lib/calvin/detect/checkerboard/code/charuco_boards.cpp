@@ -34,7 +34,7 @@ struct KnownMarker {
 std::vector<KnownMarker> markers_with(int side) {
   std::vector<KnownMarker> all;
   for (const MarkerDictionary& dictionary : marker_dictionaries()) {
-    if (dictionary.side != side) continue;
+    if (dictionary.side != side || dictionary.outside > 0) continue;
     for (std::size_t id = 0; id < dictionary.codes.size(); ++id) {
       all.push_back({dictionary.codes[id], &dictionary, static_cast<int>(id)});
     }

@@ -16,10 +16,12 @@
 
 #include <Eigen/LU>
 
+#include "calvin/detect/circles/lens_map.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/smoothing.hpp"
 #include "calvin/detect/tags/quads.hpp"
-#include "calvin/detect/tags/tag_reader.hpp"
+#include "calvin/detect/tags/search/any_readers.hpp"
+#include "calvin/detect/tags/tag_fit.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin::detect {
@@ -27,7 +29,7 @@ namespace calvin::detect {
 namespace {
 
 constexpr std::size_t kFewestTags = 3;
-// Of a tag's side: the widest gap that a grid is said to have.
+// Of a tag's side with what belongs to it: the widest gap that a grid is said to have.
 constexpr double kWidestGap = 1.5;
 
 // A quad in px of the image.
@@ -72,62 +74,6 @@ std::vector<SeenQuad> quads_of(Pyramid& pyramid, const std::stop_token& stop) {
   return all;
 }
 
-// The largest of each family of dictionaries; the others begin as it does.
-std::vector<const MarkerDictionary*> families() {
-  std::vector<const MarkerDictionary*> all;
-  for (const MarkerDictionary& one : marker_dictionaries()) {
-    const bool is_part = std::ranges::any_of(all, [&](const MarkerDictionary* known) {
-      return known->side == one.side && known->codes.size() >= one.codes.size() &&
-             std::ranges::equal(one.codes, known->codes.first(one.codes.size()));
-    });
-    if (!is_part) all.push_back(&one);
-  }
-  return all;
-}
-
-// The smallest dictionary that has these tags.
-const MarkerDictionary* smallest_with(const MarkerDictionary& family, int last_id) {
-  const MarkerDictionary* best = &family;
-  for (const MarkerDictionary& one : marker_dictionaries()) {
-    const bool is_part = one.side == family.side && one.codes.size() < best->codes.size() &&
-                         std::ranges::equal(one.codes, family.codes.first(one.codes.size()));
-    if (is_part && static_cast<int>(one.codes.size()) > last_id) best = &one;
-  }
-  return best;
-}
-
-// Styles whose tags are read by the same places of a quad.
-struct Readers {
-  std::vector<TagReader> all;
-  [[nodiscard]] const TagStyle& shape() const { return all.front().style(); }
-};
-
-std::vector<Readers> make_readers() {
-  constexpr double kGap = 0.12;  // of a tag's side: about a cell, as much as tags need around them
-  std::vector<Readers> all;
-  for (const MarkerDictionary* family : families()) {
-    for (const int border : {1, 2}) {
-      for (const bool inverted : {false, true}) {
-        TagGrid grid{1, 1,      1,       kGap, family, family->name.starts_with("DICT_APRILTAG"),
-                     0, border, inverted};
-        const auto same = std::ranges::find_if(all, [&](const Readers& readers) {
-          const TagStyle& shape = readers.shape();
-          return shape.dictionary->side == family->side && shape.border == border &&
-                 shape.inverted == inverted;
-        });
-        (same == all.end() ? all.emplace_back() : *same).all.emplace_back(TagStyle(grid), kGap, 0);
-      }
-    }
-  }
-  return all;
-}
-
-// Never freed: see Board::Board().
-const std::vector<Readers>& any_readers() {
-  static const auto& readers = *new std::vector<Readers>(make_readers());
-  return readers;
-}
-
 // For each reader the tags that have no wrong bits.
 std::vector<std::vector<SeenTag>> read_tags(Pyramid& pyramid, std::span<const SeenQuad> quads,
                                             const Readers& readers) {
@@ -170,7 +116,8 @@ std::optional<Point> place_beside(const SeenTag& tag, const SeenTag& other) {
 struct Numbering {
   int right = 0;
   int below = 0;
-  double pitch = 0;  // sides of a tag
+  double pitch = 0;      // sides of a tag
+  double least_gap = 0;  // sides of a tag, that there may be
 };
 
 // The number that most have.
@@ -193,7 +140,8 @@ double median_of(std::vector<double> values) {
 
 // The next tag on a way, if it is one: 0 to the right, 1 below.
 std::optional<std::pair<const SeenTag*, double>> next_of(std::span<const SeenTag> tags,
-                                                         const SeenTag& tag, int way) {
+                                                         const SeenTag& tag, int way,
+                                                         double least_gap) {
   constexpr double kAside = 0.3;  // of a side
   std::optional<std::pair<const SeenTag*, double>> next;
   for (const SeenTag& other : tags) {
@@ -201,25 +149,27 @@ std::optional<std::pair<const SeenTag*, double>> next_of(std::span<const SeenTag
     if (!at) continue;
     const double ahead = (*at)[way];
     const double aside = (*at)[1 - way];
-    if (ahead < 1 || ahead > 1 + kWidestGap || std::abs(aside) > kAside) continue;
+    const bool is_next = ahead >= 1 && ahead <= 1 + least_gap + kWidestGap;
+    if (!is_next || std::abs(aside) > kAside) continue;
     if (!next || ahead < next->second) next = {&other, ahead};
   }
   return next;
 }
 
-std::optional<Numbering> numbering_of(std::span<const SeenTag> tags) {
+std::optional<Numbering> numbering_of(std::span<const SeenTag> tags, double least_gap) {
   std::array<std::vector<int>, 2> steps;
   std::vector<double> pitches;
   for (const SeenTag& tag : tags) {
     for (const int way : {0, 1}) {
-      const auto next = next_of(tags, tag, way);
+      const auto next = next_of(tags, tag, way, least_gap);
       if (!next) continue;
       steps[static_cast<std::size_t>(way)].push_back(next->first->id - tag.id);
       pitches.push_back(next->second);
     }
   }
   if (pitches.size() + 1 < kFewestTags) return std::nullopt;
-  return Numbering{most_frequent(steps[0]), most_frequent(steps[1]), median_of(std::move(pitches))};
+  return Numbering{most_frequent(steps[0]), most_frequent(steps[1]), median_of(std::move(pitches)),
+                   least_gap};
 }
 
 // The tags that hang together with one of them, with their places.
@@ -235,7 +185,7 @@ std::vector<SeenTag> tags_around(std::vector<SeenTag> tags, std::size_t seed,
         const int step = way == 0 ? numbering.right : numbering.below;
         const int ahead = other.id - tag.id == step ? 1 : tag.id - other.id == step ? -1 : 0;
         if (other.placed || step == 0 || ahead == 0) continue;
-        const auto next = next_of(tags, ahead > 0 ? tag : other, way);
+        const auto next = next_of(tags, ahead > 0 ? tag : other, way, numbering.least_gap);
         if (!next || next->first != (ahead > 0 ? &other : &tag)) continue;
         other.placed = true;
         other.place = tag.place;
@@ -306,18 +256,20 @@ GridPlace count_from_first(std::vector<SeenTag>& tags) {
   return size;
 }
 
-// A gap as it was meant, in sides of a tag: most are multiples of a twentieth.
+// A gap as it was meant, in sides of a tag: most are multiples of a twentieth, or as narrow as can
+// be.
 struct Gap {
   double share = 0;
   bool is_certain = false;
 };
-Gap gap_of(double pitch) {
+Gap gap_of(double pitch, double least) {
   constexpr double kUsual = 20;
   constexpr double kFinest = 100;
   constexpr double kNear = 0.012;
+  if (least > 0 && pitch - 1 - least < kNear) return {least, true};
   const double usual = std::round((pitch - 1) * kUsual) / kUsual;
   if (usual > 0 && std::abs(pitch - 1 - usual) < kNear) return {usual, true};
-  return {std::max(std::round((pitch - 1) * kFinest), 1.0) / kFinest, false};
+  return {std::max(std::max(std::round((pitch - 1) * kFinest), 1.0) / kFinest, least), false};
 }
 
 // AprilTags that stand on their heads, as OpenCV has them.
@@ -329,6 +281,51 @@ void turn_over(std::vector<SeenTag>& tags, Numbering& numbering, TagStyle& style
     std::swap(tag.corners[0], tag.corners[2]);
     std::swap(tag.corners[1], tag.corners[3]);
   }
+}
+
+// Moves the corners of tags to where their sides meet: the distance of wide apart tags is told by
+// corners that are right to a small part of a pixel. `is_over`: they were turned over.
+void fit_corners(const ImageView& image, const TagReader& reader, bool is_over,
+                 std::vector<SeenTag>& tags) {
+  constexpr double kReach = 0.3;  // of a cell
+  for (SeenTag& tag : tags) {
+    TagPattern pattern = reader.pattern_of(tag.id);
+    if (is_over) pattern.bits = half_turned(pattern.bits, pattern.dictionary->bit_count());
+    const double reach = std::max(kReach * shortest_side(tag.corners) / pattern.cells(), 1.5);
+    const TagFit fit = fit_tag(image, tag.corners, pattern, reach, unknown_bends(tag.corners));
+    if (fit.seen() == 4) tag.corners = fit.corners;
+  }
+}
+
+// px, how far corners are from where a lens and a pitch would have them.
+std::optional<double> misfit_of(const ImageView& image, std::span<const SeenTag> tags,
+                                double pitch) {
+  std::vector<Pixel> plane;
+  std::vector<Pixel> seen;
+  for (const SeenTag& tag : tags) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const int right = i == 1 || i == 2 ? 1 : 0;
+      plane.push_back({pitch * tag.place.col + right, pitch * tag.place.row + (i < 2 ? 0 : 1)});
+      seen.push_back({tag.corners[i].x(), tag.corners[i].y()});
+    }
+  }
+  const auto map = LensMap::fit(plane, seen, image_center(image.size()));
+  return map ? std::optional(map->misfit()) : std::nullopt;
+}
+
+// The pitch for which the corners of all tags fit best, as a lens makes it seem larger here and
+// smaller there; `guess` where that tells nothing.
+double fit_pitch(const ImageView& image, std::span<const SeenTag> tags, double guess) {
+  constexpr double kStep = 0.04;
+  const auto before = misfit_of(image, tags, guess - kStep);
+  const auto at = misfit_of(image, tags, guess);
+  const auto after = misfit_of(image, tags, guess + kStep);
+  if (!before || !at || !after) return guess;
+  // Squares of misfits are a parabola.
+  const auto square = [](double x) { return x * x; };
+  const double bend = square(*before) - 2 * square(*at) + square(*after);
+  const double moved = 0.5 * (square(*before) - square(*after)) / bend;
+  return bend > 0 && std::abs(moved) < 2 ? guess + kStep * moved : guess;
 }
 
 // The board of tags whose ids go by such a numbering, with rows that are counted downwards or, on
@@ -343,17 +340,17 @@ std::optional<AnyTags> board_of(const ImageView& image, std::vector<SeenTag> tag
   const int first =
       any.id - order.id({any.place.col, is_upwards ? seen.row - 1 - any.place.row : any.place.row});
   if (first < 0 || cols < seen.col) return std::nullopt;
-  const Gap gap = gap_of(numbering.pitch);
+  const Gap gap = gap_of(numbering.pitch, numbering.least_gap);
   const MarkerDictionary* dictionary = smallest_with(*style.dictionary, first + order.count() - 1);
   AnyTags found;
   found.whole =
       gap.is_certain && cols == seen.col && would_go_on_in_view(image, tags, seen, numbering.pitch);
   if (is_upwards) {
-    if (!style.april || style.inverted) return std::nullopt;
+    if (!style.april || style.is_board_inverted()) return std::nullopt;
     found.board = AprilGrid{cols, seen.row, side, gap.share, dictionary, style.border, first};
   } else {
-    found.board = TagGrid{cols,        seen.row, side,         gap.share * side, dictionary,
-                          style.april, first,    style.border, style.inverted};
+    found.board = TagGrid{cols,        seen.row, side,         gap.share * side,         dictionary,
+                          style.april, first,    style.border, style.is_board_inverted()};
   }
   if (!found.board.check()) return std::nullopt;
   // With the measures that its text has, so that it is equal to the board of that text.
@@ -377,16 +374,19 @@ std::optional<AnyTags> find_any_tags(const ImageView& image, double side,
     const auto all = read_tags(pyramid, quads, readers);
     for (std::size_t k = 0; k < all.size(); ++k) {
       std::vector<SeenTag> tags = all[k];
-      auto numbering = tags.size() > most ? numbering_of(tags) : std::nullopt;
-      if (!numbering) continue;
       TagStyle style = readers.all[k].style();
+      auto numbering =
+          tags.size() > most ? numbering_of(tags, style.least_gap_share()) : std::nullopt;
+      if (!numbering) continue;
       const bool is_turned =
           numbering->right < 0 || (numbering->right == 0 && numbering->below < 0);
       if (is_turned && !style.april) continue;
       if (is_turned) turn_over(tags, *numbering, style);
       if (numbering->right > 1) continue;
-      const auto part = largest_part(tags, *numbering);
+      auto part = largest_part(tags, *numbering);
       if (part.size() <= most || are_among_others(part, tags)) continue;
+      fit_corners(pyramid.level(0), readers.all[k], is_turned, part);
+      numbering->pitch = fit_pitch(pyramid.level(0), part, numbering->pitch);
       if (auto found = board_of(pyramid.level(0), part, *numbering, style, side)) {
         best = *std::move(found);
         most = part.size();
