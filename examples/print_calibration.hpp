@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/core/calibration.hpp"
+#include "calvin/core/expected_error.hpp"
 
 namespace calvin_tools {
 
@@ -34,7 +35,11 @@ inline void print_accuracy(const calvin::Calibration& c) {
   if (c.expected_error) {
     fmt::print("accurate to {:.4f} px where corners were seen (2 sigma)\n", 2 * *c.expected_error);
   }
-  if (c.expected_error_anywhere) {
+  if (c.expected_error_anywhere && *c.expected_error_anywhere > calvin::kNothingKnown) {
+    fmt::print("of other parts of the picture nothing is known");
+    if (c.worst_place) fmt::print(", least at {:.0f}, {:.0f}", c.worst_place->u, c.worst_place->v);
+    fmt::print("\n");
+  } else if (c.expected_error_anywhere) {
     fmt::print("accurate to {:.4f} px anywhere in the picture", 2 * *c.expected_error_anywhere);
     if (c.worst_place) fmt::print(", worst at {:.0f}, {:.0f}", c.worst_place->u, c.worst_place->v);
     fmt::print("\n");

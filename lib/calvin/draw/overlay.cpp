@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/core/expected_error.hpp"
 #include "calvin/core/utf8.hpp"
 #include "calvin/draw/overlay_shapes.hpp"
 #include "calvin/target/board.hpp"
@@ -230,6 +231,7 @@ std::string figures_of(const Progress& progress) {
   // Elsewhere the board has not been yet.
   constexpr double kMuchWorse = 3;
   if (!std::isfinite(anywhere) || anywhere <= kMuchWorse * covered) return text;
+  if (anywhere > kNothingKnown) return text + " where the board was, unknown elsewhere";
   const std::string elsewhere =
       2 * anywhere < 10 ? fmt::format("{:.2f}", 2 * anywhere) : fmt::format("{:.3g}", 2 * anywhere);
   const double wanted = progress.wanted_error_anywhere.value_or(std::nan(""));

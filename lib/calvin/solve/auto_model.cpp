@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -133,6 +134,15 @@ double held_out_rms(const Trial& trial) {
   return trial.solution.calibration.held_out_rms.value_or(HUGE_VAL);
 }
 
+// Takes out those that leave out views which another one keeps, of views that are all good: they
+// end in a lens that does not show what these saw, and are no better for it.
+void drop_partial(std::vector<Trial>& trials) {
+  std::size_t fewest = SIZE_MAX;
+  for (const Trial& trial : trials) fewest = std::min(fewest, trial.solution.rejected.size());
+  std::erase_if(trials,
+                [fewest](const Trial& trial) { return trial.solution.rejected.size() > fewest; });
+}
+
 struct Rivals {
   std::vector<std::string> near;
   std::vector<std::string> far;
@@ -229,6 +239,7 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   const std::vector<PointSet> good_corners = masked(views, reference);
   const Rivals rivals = rivals_of(trials);
   trials = try_all(rivals.near, good_corners, shape, image_size, trial_options, stop);
+  drop_partial(trials);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (trials.empty()) return reference;
   const std::size_t best = choose(trials, good_corners, shape, trial_options, stop);

@@ -30,6 +30,14 @@ Worst worst_of(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
   return worst;
 }
 
+// px. An error that is as large as the picture says that nothing is known; a larger one, of a
+// variance that is far beyond where it is linear, says no more.
+double error_of(double variance, const PlacedGrid& picture) {
+  double diagonal = 0;
+  for (const Pixel& at : picture.at) diagonal = std::max(diagonal, std::hypot(at.u, at.v));
+  return std::min(std::sqrt(std::max(variance, 0.0)), diagonal);
+}
+
 }  // namespace
 
 std::optional<Promise> promise_of(const ProjectionGrids& grids, const Eigen::MatrixXd& covariance) {
@@ -38,8 +46,8 @@ std::optional<Promise> promise_of(const ProjectionGrids& grids, const Eigen::Mat
   Worst anywhere = worst_of(grids.picture, covariance);
   if (anywhere.variance < covered.variance) anywhere = covered;
   if (!std::isfinite(anywhere.variance) || !std::isfinite(covered.variance)) return std::nullopt;
-  return Promise{std::sqrt(std::max(covered.variance, 0.0)),
-                 std::sqrt(std::max(anywhere.variance, 0.0)), anywhere.at};
+  return Promise{error_of(covered.variance, grids.picture),
+                 error_of(anywhere.variance, grids.picture), anywhere.at};
 }
 
 std::optional<double> error_over(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {

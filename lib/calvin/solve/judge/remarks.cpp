@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/monotone.hpp"
+#include "calvin/core/expected_error.hpp"
 #include "calvin/solve/judge/projection_error.hpp"
 
 namespace calvin {
@@ -32,10 +33,18 @@ std::optional<std::string> uncovered(const Calibration& calibration) {
   const double anywhere = calibration.expected_error_anywhere.value_or(0);
   const double covered = calibration.expected_error.value_or(0);
   if (!worst || anywhere < std::max(kMuchWorse * covered, kWorthAView)) return std::nullopt;
+  const std::string place = part_of_picture(*worst, calibration.image_size);
+  if (anywhere > kNothingKnown) {
+    return fmt::format(
+        "No corner was seen in the {}, of which nothing is known; the picture is accurate to "
+        "{:.3g} "
+        "px among the corners: show the board there.",
+        place, 2 * covered);
+  }
   return fmt::format(
       "No corner was seen in the {}, where the picture is accurate to {:.3g} px only, against "
       "{:.3g} px among the corners: show the board there.",
-      part_of_picture(*worst, calibration.image_size), 2 * anywhere, 2 * covered);
+      place, 2 * anywhere, 2 * covered);
 }
 
 // Ratio: the detector's sigmas may be too small by this much before chi counts as a misfit.
