@@ -41,8 +41,9 @@ TEST(OverlayCaption, SaysWhatIsKnown) {
       overlay_caption(progress),
       "show the board (12 views, accurate to 0.36 px where the board was, 47.7 px elsewhere)");
   progress.expected_error_anywhere = 154;
-  EXPECT_EQ(overlay_caption(progress),
-            "show the board (12 views, accurate to 0.36 px where the board was, unknown elsewhere)");
+  EXPECT_EQ(
+      overlay_caption(progress),
+      "show the board (12 views, accurate to 0.36 px where the board was, unknown elsewhere)");
   progress.expected_error_anywhere = 23.87;
   progress.wanted_error_anywhere = 0.15;
   EXPECT_EQ(overlay_caption(progress),
