@@ -31,7 +31,7 @@ BOARDS = [
     "aruco:4x4:40mm:20mm:DICT_4X4_50:first=9:inverted",
     "apriltag:tag36h11:5x4:40mm:12mm:border=2",
     "apriltag:tagStandard41h12:5x4:30mm:24mm:first=40",
-    "apriltag:tagCustom48h12:60mm:0=0,0+3=150mm,-20mm,30+7/90mm=60mm,130mm,-75+12=190mm,90mm",
+    "apriltag:tagCustom48h12:60mm:0=0,0+3=190mm,-20mm,30+7/90mm=60mm,240mm,-75+12=280mm,180mm",
     "apriltag:tag36h11:60mm:0=0,0+3=150mm,-20mm,30+7/90mm=60mm,110mm,-75+12=170mm,90mm",
 ]
 
