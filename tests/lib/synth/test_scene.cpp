@@ -132,7 +132,9 @@ TEST_P(EveryKind, HasItsControlPointsWhereTheTruthIs) {
       const GridPlace at = board().grid()->place(truth.ids[i]);
       const int across = at.col % 2 == 0 ? 1 : -1;
       const int down = at.row % 2 == 0 ? 1 : -1;
-      const auto around = tags->inverted ? kOptions.dark : kOptions.light;
+      // Borders are dark, and light ones have a dark ring around them.
+      const bool is_dark_around = tags->inverted != (tags->dictionary->outside > 0);
+      const auto around = is_dark_around ? kOptions.dark : kOptions.light;
       EXPECT_EQ(level(across, down), kOptions.dark + kOptions.light - around) << truth.ids[i];
       for (const auto& [x, y] : {std::pair{-1, -1}, {-1, 1}, {1, -1}}) {
         EXPECT_EQ(level(x * across, y * down), around) << truth.ids[i];
