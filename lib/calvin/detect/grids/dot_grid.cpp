@@ -5,6 +5,7 @@
 
 #include "calvin/detect/grids/dot_grid.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
@@ -38,6 +39,28 @@ bool stand_apart(const ImageView& image, const DiscLattice& lattice) {
   return 2 * apart > pairs;
 }
 
+// Dots of a grid lie about in the middle between those on both sides, whatever lens or tilt bends
+// their row. Spots of noise that a lattice happens to join do not.
+bool are_even(const DiscLattice& lattice) {
+  constexpr double kOff = 0.15;  // of the way from one neighbour to the other one, halved
+  int even = 0;
+  int rows = 0;
+  for (const Cell c : lattice.cells()) {
+    const Ellipse& e = *lattice.at(c);
+    for (const Cell step : {Cell{1, 0}, Cell{0, 1}}) {
+      const Ellipse* before = lattice.at(c - step);
+      const Ellipse* next = lattice.at(c + step);
+      if (before == nullptr || next == nullptr) continue;
+      const double way = std::hypot(next->x - before->x, next->y - before->y) / 2;
+      const double off =
+          std::hypot((next->x + before->x) / 2 - e.x, (next->y + before->y) / 2 - e.y);
+      ++rows;
+      even += off < kOff * way ? 1 : 0;
+    }
+  }
+  return 2 * even > rows;
+}
+
 }  // namespace
 
 Observation find_dot_grid(Pyramid& pyramid, const CirclePattern& pattern,
@@ -53,7 +76,7 @@ Observation find_dot_grid(Pyramid& pyramid, const CirclePattern& pattern,
   const ImageView& image = pyramid.level(0);
   DiscSheet sheet;
   if (!sheet.fit(image, *lattice, kFewestGridPoints, {}) || !sheet.are_round(image) ||
-      !stand_apart(image, sheet.lattice())) {
+      !are_even(sheet.lattice()) || !stand_apart(image, sheet.lattice())) {
     return {};
   }
   for (int i = 0; i < kGridReach && !stop.stop_requested() && sheet.grow(image); ++i) {
