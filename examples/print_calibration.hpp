@@ -36,8 +36,8 @@ inline void print_accuracy(const calvin::Calibration& c) {
     fmt::print("accurate to {:.4f} px where corners were seen (2 sigma)\n", 2 * *c.expected_error);
   }
   if (c.expected_error_anywhere && *c.expected_error_anywhere > calvin::kNothingKnown) {
-    fmt::print("of other parts of the picture nothing is known");
-    if (c.worst_place) fmt::print(", least at {:.0f}, {:.0f}", c.worst_place->u, c.worst_place->v);
+    fmt::print("nothing is known of a part of the picture");
+    if (c.worst_place) fmt::print(", as at {:.0f}, {:.0f}", c.worst_place->u, c.worst_place->v);
     fmt::print("\n");
   } else if (c.expected_error_anywhere) {
     fmt::print("accurate to {:.4f} px anywhere in the picture", 2 * *c.expected_error_anywhere);

@@ -18,28 +18,33 @@ namespace calvin::rig {
 namespace {
 
 // All ways to name the points of `second` by the labels of `first`.
-std::vector<SE3> first_from_second(const BoardView& first, const BoardView& second) {
-  if (first.labellings.size() == 1 && second.labellings.size() == 1) {
+std::vector<SE3> first_from_second(const BoardView& first, const BoardView& second,
+                                   Pictures pictures) {
+  const bool is_plain = pictures == Pictures::kAsTheyAre;
+  if (is_plain && first.labellings.size() == 1 && second.labellings.size() == 1) {
     return {first.labellings.front().inverse() * second.labellings.front()};
   }
   std::vector<SE3> all;
-  for (const SE3& of_first : first.labellings) {
-    for (const SE3& of_second : second.labellings) {
-      const SE3 motion = of_first.inverse() * of_second;
-      const bool known = std::ranges::any_of(
-          all, [&](const SE3& other) { return is_same_labelling(other, motion); });
-      if (!known) all.push_back(motion);
+  for (const SE3& mirror : mirrors_of_board(second.middle, pictures)) {
+    for (const SE3& of_first : first.labellings) {
+      for (const SE3& of_second : second.labellings) {
+        const SE3 motion = of_first.inverse() * mirror * of_second;
+        const bool known = std::ranges::any_of(
+            all, [&](const SE3& other) { return is_same_labelling(other, motion); });
+        if (!known) all.push_back(motion);
+      }
     }
   }
   return all;
 }
 
+// `second_from_first` has the mirror before the camera of the one that is mirrored in it.
 Agreement best_agreement(const BoardView& first, std::span<const SE3> poses,
                          const BoardView& second, const CameraPoints& second_camera,
-                         const SE3& second_from_first) {
+                         const SE3& second_from_first, Pictures pictures = Pictures::kAsTheyAre) {
   Agreement best;
   bool none = true;
-  for (const SE3& motion : first_from_second(first, second)) {
+  for (const SE3& motion : first_from_second(first, second, pictures)) {
     for (const SE3& pose : poses) {
       const double now = misfit(second, second_camera, second_from_first * pose, motion);
       if (none || now < best.misfit) best = {pose, motion, now};
@@ -50,14 +55,16 @@ Agreement best_agreement(const BoardView& first, std::span<const SE3> poses,
 }
 
 // By every tilt and labelling of some instants.
-std::vector<SE3> proposals(const std::vector<BoardView>& views, const Link& link) {
+std::vector<SE3> proposals(const std::vector<BoardView>& views, const Link& link,
+                           Pictures pictures) {
+  const SE3 mirror = mirror_before_camera(pictures);
   std::vector<SE3> all;
   for (const auto& [a, b] : some_of(link.common, kMostProposers)) {
-    const auto motions = first_from_second(views[a], views[b]);
+    const auto motions = first_from_second(views[a], views[b], pictures);
     for (const SE3& pose_a : views[a].poses) {
       for (const SE3& pose_b : views[b].poses) {
         for (const SE3& motion : motions) {
-          all.push_back(pose_b * motion.inverse() * pose_a.inverse());
+          all.push_back(mirror * pose_b * motion.inverse() * pose_a.inverse());
         }
       }
     }
@@ -65,30 +72,49 @@ std::vector<SE3> proposals(const std::vector<BoardView>& views, const Link& link
   return all;
 }
 
-void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
-            Link& link) {
+// On where b is to a, with the pictures of one of them as they are or mirrored.
+Vote vote_on_link(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
+                  const Link& link, Pictures pictures) {
   double away = 0;
   for (const CommonView& c : link.common) {
     away = std::max(away, views[c.a].poses.front().translation.norm());
   }
+  const SE3 mirror = mirror_before_camera(pictures);
   Voters voters;
   voters.count = link.common.size();
   // The worse of what each camera's pose of the board makes the other one expect.
   voters.misfit = [&](std::size_t i, const SE3& b_from_a) {
     const BoardView& a = views[link.common[i].a];
     const BoardView& b = views[link.common[i].b];
-    return std::max(agreement(a, b, cameras[link.b], b_from_a).misfit,
-                    agreement(b, a, cameras[link.a], b_from_a.inverse()).misfit);
+    const SE3 seen = mirror * b_from_a;
+    return std::max(
+        best_agreement(a, a.poses, b, cameras[link.b], seen, pictures).misfit,
+        best_agreement(b, b.poses, a, cameras[link.a], seen.inverse(), pictures).misfit);
   };
   voters.is_elsewhere = [&](const SE3& one, const SE3& other) {
     return is_elsewhere(one.inverse(), other.inverse(), away);
   };
-  const Vote vote = vote_on(proposals(views, link), voters);
+  return vote_on(proposals(views, link, pictures), voters);
+}
+
+// Whether most of the views agree as soon as the pictures of one of the cameras are taken for
+// mirrored. Which one it is they do not tell.
+bool agree_mirrored(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
+                    const Link& link) {
+  constexpr std::size_t kFewest = 4;  // views: a few agree by chance
+  if (link.common.size() < kFewest) return false;
+  const std::size_t votes = vote_on_link(views, cameras, link, Pictures::kMirrored).votes;
+  return votes >= kFewest && 2 * votes > link.common.size() && votes > 2 * link.votes;
+}
+
+void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
+            Link& link) {
+  const Vote vote = vote_on_link(views, cameras, link, Pictures::kAsTheyAre);
   link.b_from_a = vote.place;
   link.votes = vote.votes;
   link.is_decided = vote.is_decided;
   if (link.is_decided && 2 * link.votes > link.common.size()) return;
-  link.is_mirrored = is_mirrored(views, cameras, link);
+  link.is_mirrored = agree_mirrored(views, cameras, link);
   link.is_decided = link.is_decided && !link.is_mirrored;
 }
 

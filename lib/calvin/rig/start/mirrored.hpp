@@ -1,21 +1,27 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Whether one of two cameras gives mirrored pictures. A board without names looks like itself in
-// them, by other labels, so that each view is a good one and only two cameras contradict each
-// other. Internal.
+// A camera whose pictures are mirrored. A board without names looks like itself in them, by other
+// labels: with M the mirror before the camera and F the one between the labels,
+// M camera_from_board F is a motion again for points of a plane. What lies off it would be on the
+// other side, so that only two cameras contradict each other. Internal.
 #pragma once
 
 #include <vector>
 
-#include "calvin/rig/board_views.hpp"
-#include "calvin/rig/start/links.hpp"
+#include <Eigen/Core>
+
+#include "calvin/geometry/se3.hpp"
 
 namespace calvin::rig {
 
-// Whether most of the views that two cameras have in common agree as soon as the pictures of one of
-// them are taken for mirrored. Which one it is they do not tell.
-[[nodiscard]] bool is_mirrored(const std::vector<BoardView>& views,
-                               const std::vector<CameraPoints>& cameras, const Link& link);
+enum class Pictures { kAsTheyAre, kMirrored };
+
+// M: no motion, its matrix has the determinant -1. The identity for pictures as they are.
+[[nodiscard]] SE3 mirror_before_camera(Pictures pictures);
+
+// F: across the middle of the board upright, level and along both diagonals. One that makes another
+// grid of it agrees with nothing. The identity for pictures as they are.
+[[nodiscard]] std::vector<SE3> mirrors_of_board(const Eigen::Vector3d& middle, Pictures pictures);
 
 }  // namespace calvin::rig
