@@ -41,7 +41,7 @@ void CalibrationSession::miss_target() {
 }
 
 void CalibrationSession::leave_stale_target(std::uint64_t now) {
-  constexpr std::uint64_t kTry = 5'000'000'000;  // ns, in which a hand gets there the second time
+  constexpr std::uint64_t kTry = 4'000'000'000;  // ns, in which a hand gets there and rests
   constexpr std::uint64_t kLost = 700'000'000;   // ns, longer than a board is lost while it moves
   if (!guide_ || !hint_.target || now == kNoTimestamp) return;
   const auto is_past = [now](std::uint64_t since, std::uint64_t time) {

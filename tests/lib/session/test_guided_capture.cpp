@@ -33,14 +33,14 @@ TEST(GuidedCapture, DoesNotWaitWithoutTimes) {
 TEST(GuidedCapture, WaitsForWhoFollows) {
   GuidedCapture capture;
   capture.restart(at(0));
-  for (double t = 0.1; t < 4; t += 0.1) {
+  for (double t = 0.1; t < 3.5; t += 0.1) {
     const ViewWorth worth = capture.worth(NearView{0.1 * t, 500 - 100 * t}, at(t));
     EXPECT_FALSE(worth.moving || worth.restless) << t;
     // After so long less will do for a board that is held still.
     EXPECT_EQ(worth.still, 0.1 * t >= 0.5 * (1 - t / 8)) << t;
   }
-  EXPECT_FALSE(capture.worth(NearView{0.9, 90}, at(4.1)).moving) << "it still comes nearer";
-  EXPECT_TRUE(capture.worth(NearView{0.6, 110}, at(4.2)).moving) << "it has passed by";
+  EXPECT_FALSE(capture.worth(NearView{0.9, 90}, at(3.6)).moving) << "it still comes nearer";
+  EXPECT_TRUE(capture.worth(NearView{0.6, 110}, at(3.7)).moving) << "it has passed by";
 }
 
 TEST(GuidedCapture, DoesNotWaitForWhoDoesNotFollow) {
@@ -62,11 +62,12 @@ TEST(GuidedCapture, DoesNotWaitForWhoDoesNotFollow) {
 TEST(GuidedCapture, DoesNotInsistOnARest) {
   GuidedCapture capture;
   capture.restart(at(0));
-  for (double t = 0.1; t < 6; t += 0.1) {
+  for (double t = 0.1; t < 4; t += 0.1) {
     EXPECT_FALSE(capture.worth(NearView{0.8, 500 - 50 * t}, at(t)).moving) << t;
   }
-  EXPECT_TRUE(capture.worth(NearView{0.8, 195}, at(6.1)).moving);
-  EXPECT_FALSE(capture.worth(NearView{0.4, 190}, at(6.2)).moving);
+  EXPECT_TRUE(capture.worth(NearView{0.8, 295}, at(4.1)).moving);
+  EXPECT_FALSE(capture.worth(NearView{0.4, 290}, at(4.2)).moving);
+  EXPECT_TRUE(capture.worth(NearView{0.1, 280}, at(8.1)).moving) << "anything new is welcome now";
 }
 
 // What was waited for one view counts for another one that is asked for instead.

@@ -15,7 +15,7 @@ namespace {
 constexpr double kWanted = 0.5;      // of what the view asked for tells
 constexpr double kPatience = 8e9;    // ns, after which anything new is welcome
 constexpr double kReaction = 1.5e9;  // ns, in which who follows has come nearer
-constexpr double kTooLong = 6e9;     // ns, after which nobody is asked to hold it still
+constexpr double kTooLong = 4e9;     // ns, after which nobody is asked to hold it still
 constexpr double kPause = 0.5e9;     // ns between views of one movement
 constexpr double kMuchNearer = 0.7;  // of the first distance
 constexpr double kNearer = 0.95;     // of what was nearer before
@@ -56,8 +56,9 @@ ViewWorth GuidedCapture::worth(const std::optional<NearView>& view, std::uint64_
   if (!view) return {true, false, paused};
   follow(view->distance, now);
   const bool turned_away = view->distance > kTurnedAway * nearest_;
-  return {view->share >= kWanted * (1 - std::min(1.0, waited / kPatience)),
-          view->share >= kWanted && (turned_away || waited > kTooLong), !follows_ && paused};
+  const bool is_enough = view->share >= kWanted * (1 - std::min(1.0, waited / kPatience));
+  const bool is_enough_moving = view->share >= kWanted || waited > kPatience;
+  return {is_enough, is_enough_moving && (turned_away || waited > kTooLong), !follows_ && paused};
 }
 
 }  // namespace calvin

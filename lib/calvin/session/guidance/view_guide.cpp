@@ -30,6 +30,7 @@ constexpr double kRoll = 0.15;     // rad, to either side
 constexpr double kUnlike = 0.06;   // of the diagonal: RMS of the corners' moves
 constexpr double kNearer = 0.125;  // of its distance, that a hand holds a board too near
 constexpr double kBeside = 0.05;   // of the picture's longer side, that it is beside its place
+constexpr double kBeyond = 0.05;   // of the diagonal: how far outside of the corners seen so far
 constexpr std::size_t kTargets = 3;
 
 // What of a board has to be in the picture for its corners to be found: half of its outer squares.
@@ -193,19 +194,31 @@ void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
   const BoardPlacement corners(board, camera_, board.extent());
   for (Target& candidate : candidates) {
     if (targets_.size() == kTargets) return;
-    if (!targets_.empty() && !has_room(placement, board, candidate.pose)) continue;
+    candidate.outline = corners.outline(candidate.pose);
+    // What cannot be shown cannot be followed: a wide lens may end within the board.
+    if (candidate.outline.empty()) continue;
+    const bool is_easy = has_room(placement, board, candidate.pose) && is_known(candidate.outline);
+    if (!targets_.empty() && !is_easy) continue;
     auto view = std::make_shared<View>(placement.view(candidate.pose, sigma).value());
     view->observation.board = board.text();
     const auto like = [&](const auto& other) { return is_like(*view, *other); };
     if (std::ranges::any_of(unlike, like)) continue;
-    // What cannot be shown cannot be followed: a wide lens may end within the board.
-    candidate.outline = corners.outline(candidate.pose);
-    if (candidate.outline.empty()) continue;
     if (const auto footprint = footprint_of(*view)) candidate.footprint = *footprint;
     candidate.view = std::move(view);
     unlike.push_back(candidate.view);
     targets_.push_back(std::move(candidate));
   }
+}
+
+bool ViewGuide::is_known(const std::vector<Pixel>& outline) const {
+  const ImageSize size = camera_.image_size();
+  const Pixel middle = {coordinate_at(0.5, size.width), coordinate_at(0.5, size.height)};
+  const double beyond = kBeyond * std::hypot(size.width, size.height);
+  return std::ranges::all_of(outline, [&](const Pixel& at) {
+    const double away = std::hypot(at.u - middle.u, at.v - middle.v);
+    const double left = std::max(0.0, away - beyond) / std::max(away, 1.0);
+    return contains(covered_, {std::lerp(middle.u, at.u, left), std::lerp(middle.v, at.v, left)});
+  });
 }
 
 const ViewGuide::Target* ViewGuide::asked() const noexcept {

@@ -43,8 +43,9 @@ class ViewGuide {
   [[nodiscard]] std::vector<Pixel> outline() const;
   // How the picture shows it there.
   [[nodiscard]] std::optional<BoardFootprint> footprint() const;
-  // A hand does not get everywhere: the target is now the best one that is unlike those before and
-  // leaves more room around the board. There are a few of them.
+  // A hand does not get everywhere: the target is now the best one that is unlike those before,
+  // leaves more room around the board, and lies where corners were seen already. There are a few of
+  // them.
   [[nodiscard]] bool has_another() const noexcept { return asked_ + 1 < targets_.size(); }
   void ask_for_another() noexcept;
 
@@ -73,6 +74,9 @@ class ViewGuide {
 
   void find_weakest(const Views& kept, const std::vector<Eigen::MatrixXd>& information);
   void find_targets(Views unlike, const Board& board, double sigma);
+  // Whether corners were seen where the outline lies, or nearly so: elsewhere the camera may be
+  // known so badly that the board is not seen where it is expected.
+  [[nodiscard]] bool is_known(const std::vector<Pixel>& outline) const;
   [[nodiscard]] const Target* asked() const noexcept;
   [[nodiscard]] double gain(const View& view, const Eigen::MatrixXd& information) const;
   [[nodiscard]] double uncovered(const std::vector<Pixel>& hull) const;
