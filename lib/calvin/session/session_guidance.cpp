@@ -14,7 +14,12 @@ namespace calvin {
 
 namespace {
 
-constexpr double kFar = 0.25;  // of what the target tells: less is nowhere near it
+constexpr double kFar = 0.25;                 // of what the target tells: less is nowhere near it
+constexpr std::uint64_t kLost = 700'000'000;  // ns, longer than a board is lost while it moves
+
+bool is_past(std::uint64_t since, std::uint64_t time, std::uint64_t now) {
+  return now != kNoTimestamp && since != kNoTimestamp && now >= since && now - since >= time;
+}
 
 }  // namespace
 
@@ -42,13 +47,9 @@ void CalibrationSession::miss_target() {
 
 void CalibrationSession::leave_stale_target(std::uint64_t now) {
   constexpr std::uint64_t kTry = 4'000'000'000;  // ns, in which a hand gets there and rests
-  constexpr std::uint64_t kLost = 700'000'000;   // ns, longer than a board is lost while it moves
   if (!guide_ || !hint_.target || now == kNoTimestamp) return;
-  const auto is_past = [now](std::uint64_t since, std::uint64_t time) {
-    return since != kNoTimestamp && now >= since && now - since >= time;
-  };
-  if (!is_past(asked_at_, kTry)) return;
-  const bool is_lost = is_past(times_.timestamp, kLost);
+  if (!is_past(asked_at_, kTry, now)) return;
+  const bool is_lost = is_past(times_.timestamp, kLost, now);
   const bool is_held = std::ranges::find(last_reasons_, Reason::kTooSimilar) != last_reasons_.end();
   const bool in_vain = is_held && share_ < kFar;
   if (guide_->has_another() && (is_lost || in_vain)) {
@@ -66,19 +67,25 @@ void CalibrationSession::leave_stale_target(std::uint64_t now) {
   renew_hint();
 }
 
-// Words that change with every twitch of a hand cannot be followed.
 void CalibrationSession::guide_from(const View& view) {
-  constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
-  if (!guide_ || !guide_->footprint() || !hint_.target) return;
   const auto seen = footprint_of(view);
   if (!seen) return;
-  Hint next = hint_towards(*guide_->footprint(), *seen);
+  footprint_ = *seen;
+  if (hint_.target) lead_to_target(view.observation.timestamp);
+}
+
+// Words that change with every twitch of a hand cannot be followed.
+void CalibrationSession::lead_to_target(std::uint64_t now) {
+  constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
+  if (!guide_ || !guide_->footprint() || !footprint_) return;
+  Hint next = hint_towards(*guide_->footprint(), *footprint_);
   next.target = hint_.target;
-  const std::uint64_t now = view.observation.timestamp;
-  const bool known = now != kNoTimestamp && hint_since_ != kNoTimestamp && now >= hint_since_;
-  if (next == hint_ || (known && now - hint_since_ < kReadable)) return;
+  const bool is_readable = hint_since_ == kNoTimestamp || now == kNoTimestamp ||
+                           now < hint_since_ || now - hint_since_ >= kReadable;
+  if (leads_ && (next == hint_ || !is_readable)) return;
   hint_ = next;
   hint_since_ = now;
+  leads_ = true;
 }
 
 Progress CalibrationSession::progress() const {
@@ -139,7 +146,10 @@ std::string CalibrationSession::hint_text() const {
   if (views_.views().empty()) return to_text(first_hint());
   const bool is_saved = !plan_.settings.location.empty() && writes_.is_written();
   if (finished_ && is_saved) return done_text(plan_.settings.location);
-  return guide_ && hint_.target ? text_to_outline(hint_) : to_text(hint_);
+  if (!leads_) return to_text(hint_);
+  // Nobody knows which way it is from a board that is not seen.
+  const bool is_lost = is_past(times_.timestamp, kLost, newest_);
+  return is_lost ? "Show the board where the outline is." : text_to_outline(hint_);
 }
 
 // Whoever shows the board and has no view of it yet has to know why.
@@ -152,17 +162,22 @@ Hint CalibrationSession::first_hint() const {
 }
 
 void CalibrationSession::renew_hint() {
+  const bool has_target = guide_ && guide_->target();
+  leads_ = leads_ && has_target;
   if (finished_) {
     hint_ = {HintKind::kDone};
+    leads_ = false;
     return;
   }
   if (guide_ && calibration_ && is_good_enough(*calibration_, plan_.settings.target_error)) {
     hint_ = {HintKind::kGood};
+    leads_ = false;
     return;
   }
-  if (guide_ && guide_->target()) {
-    if (!hint_.target) hint_ = views_.hint();
+  if (has_target) {
+    if (!leads_) hint_ = views_.hint();
     hint_.target = to_pose(*guide_->target());
+    if (!leads_) lead_to_target(newest_);
     return;
   }
   hint_ = views_.hint();

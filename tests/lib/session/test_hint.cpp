@@ -154,10 +154,14 @@ TEST(Hints, SayWhichWay) {
 
 // What leads to a place is told beside the outline that shows it.
 TEST(Hints, LeadToTheOutline) {
-  EXPECT_EQ(text_to_outline({HintKind::kMove, HintDirection::kLeft}),
-            "To the outline: move the board to the left side of the image.");
-  EXPECT_EQ(text_to_outline({HintKind::kTilt, HintDirection::kTop}),
-            "To the outline: tilt the board: its top edge nearer to the camera.");
+  EXPECT_EQ(text_to_outline({kMove, kLeft}), "To the outline: move left in the image.");
+  EXPECT_EQ(text_to_outline({kTilt, kTop}),
+            "To the outline: tilt the board, its top edge nearer to the camera.");
+  EXPECT_EQ(text_to_outline({kMove, kUpperRight, kComeCloser}),
+            "To the outline: move right and up in the image, and come closer.");
+  EXPECT_EQ(text_to_outline({kMoveBack, kLeft, kTilt}),
+            "To the outline: move away from the camera, its left edge nearer than the other.");
+  EXPECT_EQ(text_to_outline({kComeCloser}), "To the outline: come closer.");
   for (const HintKind kind : {HintKind::kHoldStill, HintKind::kGood, HintKind::kDone}) {
     EXPECT_EQ(text_to_outline({kind}), to_text({kind}));
   }

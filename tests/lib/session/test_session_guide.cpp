@@ -122,7 +122,7 @@ TEST_F(GuidedSessions, AskForSomethingElseWhereABoardGetsLost) {
   };
   const auto first = session_.progress().ghost;
   ASSERT_FALSE(first.empty());
-  EXPECT_TRUE(is_at(lose_it(4), first)) << "a hand has five seconds";
+  EXPECT_TRUE(is_at(lose_it(3), first)) << "a hand has four seconds";
   const auto second = lose_it(2);
   EXPECT_FALSE(second.empty() || is_at(second, first));
   const auto third = lose_it(6);
@@ -175,6 +175,23 @@ TEST_F(GuidedSessions, KeepTheirWordsForTwoSeconds) {
   wait(2);
   hold(target_);
   EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kHoldStill}));
+}
+
+// Words lead from where the board is seen: to nobody who does not show it.
+TEST_F(GuidedSessions, LeadFromWhereTheBoardIs) {
+  begin_guided();
+  EXPECT_TRUE(session_.progress().hint.starts_with("To the outline: ")) << "it was just seen";
+  wait(2);
+  hold({target_.rotation, 1.6 * target_.translation});
+  EXPECT_NE(session_.progress().hint.find("come closer"), std::string::npos);
+  wait(1);
+  Observation nothing;
+  nothing.timestamp = times(frame_).timestamp;
+  EXPECT_EQ(session_.offer(nothing, times(frame_)).reason, Reason::kNotFound);
+  EXPECT_EQ(session_.progress().hint, "Show the board where the outline is.");
+  ++frame_;
+  hold({target_.rotation, 1.6 * target_.translation});
+  EXPECT_NE(session_.progress().hint.find("come closer"), std::string::npos);
 }
 
 TEST_F(GuidedSessions, SayThatTheyAreDone) {

@@ -224,7 +224,7 @@ TEST(ViewGuide, NeedsNoViews) {
   EXPECT_FALSE(ViewGuide::make(camera, wrong, {}, scenes::kBoard).has_value());
 }
 
-TEST(HintTowards, MovesThenNearsThenTilts) {
+TEST(HintTowards, MovesAndNearsThenTilts) {
   BoardFootprint wanted;
   wanted.center = {0.5, 0.5};
   wanted.size = 0.5;
@@ -236,7 +236,8 @@ TEST(HintTowards, MovesThenNearsThenTilts) {
     now.top_nearer = top;
     return hint_towards(wanted, now);
   };
-  EXPECT_EQ(from(0.2, 0.5, 0.9, 1, 0), (Hint{kMove, kRight}));
+  EXPECT_EQ(from(0.2, 0.5, 0.9, 1, 0), (Hint{kMove, kRight, kMoveBack}));
+  EXPECT_EQ(from(0.2, 0.2, 0.3, 1, 0), (Hint{kMove, kLowerRight, kComeCloser}));
   EXPECT_EQ(from(0.8, 0.55, 0.5, 0, 0), (Hint{kMove, kLeft}));
   EXPECT_EQ(from(0.5, 0.8, 0.5, 0, 0), (Hint{kMove, kTop}));
   EXPECT_EQ(from(0.5, 0.2, 0.5, 0, 0), (Hint{kMove, kBottom}));
@@ -244,8 +245,10 @@ TEST(HintTowards, MovesThenNearsThenTilts) {
   EXPECT_EQ(from(0.8, 0.2, 0.5, 0, 0), (Hint{kMove, kLowerLeft}));
   EXPECT_EQ(from(0.2, 0.8, 0.5, 0, 0), (Hint{kMove, kUpperRight}));
   EXPECT_EQ(from(0.8, 0.8, 0.5, 0, 0), (Hint{kMove, kUpperLeft}));
-  EXPECT_EQ(from(0.5, 0.5, 0.3, 1, 0), (Hint{kComeCloser}));
-  EXPECT_EQ(from(0.5, 0.5, 0.8, 1, 0), (Hint{kMoveBack}));
+  EXPECT_EQ(from(0.5, 0.5, 0.3, 0, 0), (Hint{kComeCloser}));
+  EXPECT_EQ(from(0.5, 0.5, 0.8, 0, 0), (Hint{kMoveBack}));
+  EXPECT_EQ(from(0.5, 0.5, 0.3, 0.3, 0), (Hint{kComeCloser, kRight, kTilt}));
+  EXPECT_EQ(from(0.5, 0.5, 0.8, 0, -0.3), (Hint{kMoveBack, kTop, kTilt}));
   EXPECT_EQ(from(0.5, 0.5, 0.5, 0.3, 0), (Hint{kTilt, kRight}));
   EXPECT_EQ(from(0.5, 0.5, 0.5, -0.3, 0), (Hint{kTilt, kLeft}));
   EXPECT_EQ(from(0.5, 0.5, 0.5, 0, 0.3), (Hint{kTilt, kBottom}));

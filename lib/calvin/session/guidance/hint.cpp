@@ -51,6 +51,44 @@ const char* tilt_text(HintDirection edge) {
   return "Tilt the board more, and turn it a little.";
 }
 
+// From where the board is now.
+const char* way_text(HintDirection to) {
+  switch (to) {
+    case HintDirection::kLeft:
+      return "left";
+    case HintDirection::kRight:
+      return "right";
+    case HintDirection::kTop:
+      return "up";
+    case HintDirection::kBottom:
+      return "down";
+    case HintDirection::kUpperLeft:
+      return "left and up";
+    case HintDirection::kUpperRight:
+      return "right and up";
+    case HintDirection::kLowerLeft:
+      return "left and down";
+    case HintDirection::kLowerRight:
+      return "right and down";
+    case HintDirection::kNone:
+      break;
+  }
+  return "elsewhere";
+}
+
+const char* edge_text(HintDirection edge) {
+  switch (edge) {
+    case HintDirection::kLeft:
+      return "its left edge";
+    case HintDirection::kRight:
+      return "its right edge";
+    case HintDirection::kTop:
+      return "its top edge";
+    default:
+      return "its bottom edge";
+  }
+}
+
 }  // namespace
 
 std::string to_text(const Hint& hint) {
@@ -76,13 +114,29 @@ std::string to_text(const Hint& hint) {
 }
 
 std::string text_to_outline(const Hint& hint) {
-  std::string text = to_text(hint);
   using enum HintKind;
-  const bool leads = hint.kind == kMove || hint.kind == kComeCloser || hint.kind == kMoveBack ||
-                     hint.kind == kTilt;
-  if (!leads) return text;
-  text.front() = static_cast<char>(text.front() - 'A' + 'a');
-  return "To the outline: " + text;
+  const auto distance_text = [](HintKind kind) {
+    return kind == kComeCloser ? "come closer" : "move away from the camera";
+  };
+  const bool is_vague = hint.direction == HintDirection::kNone;
+  if (is_vague && (hint.kind == kMove || hint.kind == kTilt)) return to_text(hint);
+  switch (hint.kind) {
+    case kMove: {
+      const std::string also = hint.also ? fmt::format(", and {}", distance_text(*hint.also)) : "";
+      return fmt::format("To the outline: move {} in the image{}.", way_text(hint.direction), also);
+    }
+    case kComeCloser:
+    case kMoveBack: {
+      const std::string also =
+          hint.also ? fmt::format(", {} nearer than the other", edge_text(hint.direction)) : "";
+      return fmt::format("To the outline: {}{}.", distance_text(hint.kind), also);
+    }
+    case kTilt:
+      return fmt::format("To the outline: tilt the board, {} nearer to the camera.",
+                         edge_text(hint.direction));
+    default:
+      return to_text(hint);
+  }
 }
 
 std::string done_text(std::string_view location) {

@@ -24,6 +24,7 @@ enum class HintKind {
 };
 
 // A side or corner of the image for kMove, an edge of the board as the image shows it for kTilt.
+// Where an outline shows the place, kMove is that way from where the board is now.
 enum class HintDirection {
   kNone,
   kLeft,
@@ -39,6 +40,9 @@ enum class HintDirection {
 struct Hint {
   HintKind kind = HintKind::kShowBoard;
   HintDirection direction = HintDirection::kNone;
+  // What is to be done on the way: kComeCloser or kMoveBack beside kMove, kTilt beside these, with
+  // the direction.
+  std::optional<HintKind> also = std::nullopt;
 
   // camera_from_board of a view that does what the hint asks for, board upright. Absent for kGood,
   // and where nobody knows camera and board.
@@ -47,12 +51,13 @@ struct Hint {
 
 // Whether both ask for the same; where their targets are does not matter.
 [[nodiscard]] inline bool operator==(const Hint& a, const Hint& b) {
-  return a.kind == b.kind && a.direction == b.direction;
+  return a.kind == b.kind && a.direction == b.direction && a.also == b.also;
 }
 
 // "Move the board to the left side of the image." and the like, for every hint.
 [[nodiscard]] std::string to_text(const Hint& hint);
-// Likewise where an outline shows the place: "To the outline: move the board to the left ...".
+// Likewise where an outline shows the place: "To the outline: move the board left and up in the
+// image, and come closer."
 [[nodiscard]] std::string text_to_outline(const Hint& hint);
 // kDone, with the file that has the calibration.
 [[nodiscard]] std::string done_text(std::string_view location);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "calvin/camera/image_transform.hpp"
 #include "calvin/geometry/convex_hull.hpp"
@@ -102,28 +103,51 @@ Result<BoardFootprint> footprint_of(const View& view) {
   return p;
 }
 
-Hint hint_towards(const BoardFootprint& wanted, const BoardFootprint& now) {
+namespace {
+
+// From one place in the image to another.
+HintDirection direction_of(double right, double down) {
   using enum HintDirection;
-  constexpr double kThere = 0.1;      // of the image
-  constexpr double kAsLarge = 1.2;    // ratio of sizes
+  if (std::abs(right) < 0.5 * std::abs(down)) return down > 0 ? kBottom : kTop;
+  if (std::abs(down) < 0.5 * std::abs(right)) return right > 0 ? kRight : kLeft;
+  if (down > 0) return right > 0 ? kLowerRight : kLowerLeft;
+  return right > 0 ? kUpperRight : kUpperLeft;
+}
+
+// The edge that is to be nearer than it is; kNone where the board is tilted about as wanted.
+HintDirection tilt_towards(const BoardFootprint& wanted, const BoardFootprint& now) {
+  using enum HintDirection;
   constexpr double kAsTilted = 0.08;  // of BoardFootprint::left_nearer
-  const double right = wanted.center.u - now.center.u;
-  const double down = wanted.center.v - now.center.v;
-  if (std::max(std::abs(right), std::abs(down)) > kThere) {
-    if (std::abs(right) < 0.5 * std::abs(down)) return {HintKind::kMove, down > 0 ? kBottom : kTop};
-    if (std::abs(down) < 0.5 * std::abs(right))
-      return {HintKind::kMove, right > 0 ? kRight : kLeft};
-    if (down > 0) return {HintKind::kMove, right > 0 ? kLowerRight : kLowerLeft};
-    return {HintKind::kMove, right > 0 ? kUpperRight : kUpperLeft};
-  }
-  if (wanted.size > kAsLarge * now.size) return {HintKind::kComeCloser};
-  if (now.size > kAsLarge * wanted.size) return {HintKind::kMoveBack};
   const double left = wanted.left_nearer - now.left_nearer;
   const double top = wanted.top_nearer - now.top_nearer;
-  if (std::max(std::abs(left), std::abs(top)) > kAsTilted) {
-    if (std::abs(left) > std::abs(top)) return {HintKind::kTilt, left > 0 ? kLeft : kRight};
-    return {HintKind::kTilt, top > 0 ? kTop : kBottom};
+  if (std::max(std::abs(left), std::abs(top)) <= kAsTilted) return kNone;
+  if (std::abs(left) > std::abs(top)) return left > 0 ? kLeft : kRight;
+  return top > 0 ? kTop : kBottom;
+}
+
+// Whether it is to come nearer or farther, if either.
+std::optional<HintKind> distance_towards(const BoardFootprint& wanted, const BoardFootprint& now) {
+  constexpr double kAsLarge = 1.2;  // ratio of sizes
+  if (wanted.size > kAsLarge * now.size) return HintKind::kComeCloser;
+  if (now.size > kAsLarge * wanted.size) return HintKind::kMoveBack;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Hint hint_towards(const BoardFootprint& wanted, const BoardFootprint& now) {
+  constexpr double kThere = 0.1;  // of the image
+  const double right = wanted.center.u - now.center.u;
+  const double down = wanted.center.v - now.center.v;
+  const auto distance = distance_towards(wanted, now);
+  if (std::max(std::abs(right), std::abs(down)) > kThere) {
+    return {HintKind::kMove, direction_of(right, down), distance};
   }
+  const HintDirection tilt = tilt_towards(wanted, now);
+  const bool is_tilted = tilt == HintDirection::kNone;
+  if (distance && is_tilted) return {*distance};
+  if (distance) return {*distance, tilt, HintKind::kTilt};
+  if (!is_tilted) return {HintKind::kTilt, tilt};
   return {HintKind::kHoldStill};
 }
 

@@ -70,8 +70,8 @@ class ViewCoverage {
   std::array<bool, static_cast<std::size_t>(kColumns* kRows)> covered_{};
 };
 
-// What is to be done to a board that is seen so for it to be seen like `wanted`: first moved, then
-// brought nearer or farther, then tilted, then held.
+// What is to be done to a board that is seen so for it to be seen like `wanted`: first moved,
+// nearer or farther on the way, then tilted, then held.
 [[nodiscard]] Hint hint_towards(const BoardFootprint& wanted, const BoardFootprint& now);
 
 // Absent corners are extrapolated; a view without a homography has no footprint.

@@ -30,8 +30,17 @@ constexpr double kRoll = 0.15;     // rad, to either side
 constexpr double kUnlike = 0.06;   // of the diagonal: RMS of the corners' moves
 constexpr double kNearer = 0.125;  // of its distance, that a hand holds a board too near
 constexpr double kBeside = 0.05;   // of the picture's longer side, that it is beside its place
+constexpr double kReach = 0.7;     // of its distance, to where it is moved at once
 constexpr double kBeyond = 0.05;   // of the diagonal: how far outside of the corners seen so far
 constexpr std::size_t kTargets = 3;
+
+// How easily a hand gets there and sees the board: each is all before it, too.
+enum class Ease {
+  kAny,
+  kRoomy,  // however a hand errs, the board stays in the picture
+  kKnown,  // corners were seen there: the camera shows it where it is expected
+  kNear,   // to where the board was asked for first
+};
 
 // What of a board has to be in the picture for its corners to be found: half of its outer squares.
 BoardArea wanted_area(const Board& board) {
@@ -71,16 +80,26 @@ std::optional<SE3> pose_inside(const BoardPlacement& placement, Pixel at, double
   return std::nullopt;
 }
 
+// In the camera's frame.
+Eigen::Vector3d middle_of(const Board& board, const SE3& pose) {
+  const BoardArea area = board.outline();
+  return pose * Eigen::Vector3d((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
+}
+
 // Whether the board stays in the picture in a hand that errs by as much.
 bool has_room(const BoardPlacement& placement, const Board& board, SE3 pose) {
-  const BoardArea area = board.outline();
-  const Eigen::Vector3d middle((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
-  pose.translation -= kNearer * (pose * middle);
+  pose.translation -= kNearer * middle_of(board, pose);
   const auto box = placement.box(pose);
   const ImageSize picture = placement.camera().image_size();
   const double room = kBeside * std::max(picture.width, picture.height);
   return box && box->left >= room && box->top >= room && box->right <= picture.width - 1 - room &&
          box->bottom <= picture.height - 1 - room;
+}
+
+// Whether a hand gets from one to the other in a moment.
+bool is_near(const Board& board, const SE3& pose, const SE3& other) {
+  const Eigen::Vector3d place = middle_of(board, pose);
+  return (middle_of(board, other) - place).norm() <= kReach * place.norm();
 }
 
 // camera_from_board of all that is tried.
@@ -192,22 +211,31 @@ void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
   }
   std::ranges::stable_sort(candidates, std::greater<>(), &Target::gain);
   const BoardPlacement corners(board, camera_, board.extent());
-  for (Target& candidate : candidates) {
-    if (targets_.size() == kTargets) return;
-    candidate.outline = corners.outline(candidate.pose);
-    // What cannot be shown cannot be followed: a wide lens may end within the board.
-    if (candidate.outline.empty()) continue;
-    const bool is_easy = has_room(placement, board, candidate.pose) && is_known(candidate.outline);
-    if (!targets_.empty() && !is_easy) continue;
-    auto view = std::make_shared<View>(placement.view(candidate.pose, sigma).value());
-    view->observation.board = board.text();
-    const auto like = [&](const auto& other) { return is_like(*view, *other); };
-    if (std::ranges::any_of(unlike, like)) continue;
-    if (const auto footprint = footprint_of(*view)) candidate.footprint = *footprint;
-    candidate.view = std::move(view);
-    unlike.push_back(candidate.view);
-    targets_.push_back(std::move(candidate));
-  }
+  const auto is_as_easy = [&](const Target& candidate, Ease wanted) {
+    if (wanted >= Ease::kRoomy && !has_room(placement, board, candidate.pose)) return false;
+    if (wanted >= Ease::kKnown && !is_known(candidate.outline)) return false;
+    return wanted < Ease::kNear || is_near(board, targets_.front().pose, candidate.pose);
+  };
+  const auto take = [&](Ease wanted, std::size_t most) {
+    for (Target& candidate : candidates) {
+      if (targets_.size() == most) return;
+      if (candidate.view) continue;
+      candidate.outline = corners.outline(candidate.pose);
+      // What cannot be shown cannot be followed: a wide lens may end within the board.
+      if (candidate.outline.empty() || !is_as_easy(candidate, wanted)) continue;
+      auto view = std::make_shared<View>(placement.view(candidate.pose, sigma).value());
+      view->observation.board = board.text();
+      const auto like = [&](const auto& other) { return is_like(*view, *other); };
+      if (std::ranges::any_of(unlike, like)) continue;
+      if (const auto footprint = footprint_of(*view)) candidate.footprint = *footprint;
+      candidate.view = std::move(view);
+      unlike.push_back(candidate.view);
+      targets_.push_back(candidate);
+    }
+  };
+  take(Ease::kAny, 1);
+  if (targets_.empty()) return;
+  for (const Ease ease : {Ease::kNear, Ease::kKnown, Ease::kRoomy}) take(ease, kTargets);
 }
 
 bool ViewGuide::is_known(const std::vector<Pixel>& outline) const {

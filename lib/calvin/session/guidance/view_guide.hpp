@@ -44,8 +44,8 @@ class ViewGuide {
   // How the picture shows it there.
   [[nodiscard]] std::optional<BoardFootprint> footprint() const;
   // A hand does not get everywhere: the target is now the best one that is unlike those before,
-  // leaves more room around the board, and lies where corners were seen already. There are a few of
-  // them.
+  // leaves more room around the board and, where there is one, lies where corners were seen already
+  // and not far from the first. There are a few of them.
   [[nodiscard]] bool has_another() const noexcept { return asked_ + 1 < targets_.size(); }
   void ask_for_another() noexcept;
 
