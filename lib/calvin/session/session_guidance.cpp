@@ -46,7 +46,7 @@ void CalibrationSession::miss_target() {
 }
 
 void CalibrationSession::leave_stale_target(std::uint64_t now) {
-  constexpr std::uint64_t kTry = 4'000'000'000;  // ns, in which a hand gets there and rests
+  constexpr std::uint64_t kTry = 3'500'000'000;  // ns, in which a hand gets there and rests
   if (!guide_ || !hint_.target || now == kNoTimestamp) return;
   if (!is_past(asked_at_, kTry, now)) return;
   const bool is_lost = is_past(times_.timestamp, kLost, now);

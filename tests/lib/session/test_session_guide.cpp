@@ -122,7 +122,7 @@ TEST_F(GuidedSessions, AskForSomethingElseWhereABoardGetsLost) {
   };
   const auto first = session_.progress().ghost;
   ASSERT_FALSE(first.empty());
-  EXPECT_TRUE(is_at(lose_it(3), first)) << "a hand has four seconds";
+  EXPECT_TRUE(is_at(lose_it(3), first)) << "a hand has a few seconds";
   const auto second = lose_it(2);
   EXPECT_FALSE(second.empty() || is_at(second, first));
   const auto third = lose_it(6);

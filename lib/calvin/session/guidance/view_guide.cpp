@@ -96,10 +96,10 @@ bool has_room(const BoardPlacement& placement, const Board& board, SE3 pose) {
          box->bottom <= picture.height - 1 - room;
 }
 
-// Whether a hand gets from one to the other in a moment.
-bool is_near(const Board& board, const SE3& pose, const SE3& other) {
+// How far a hand moves from one to the other, of the first one's distance.
+double way_between(const Board& board, const SE3& pose, const SE3& other) {
   const Eigen::Vector3d place = middle_of(board, pose);
-  return (middle_of(board, other) - place).norm() <= kReach * place.norm();
+  return (middle_of(board, other) - place).norm() / place.norm();
 }
 
 // camera_from_board of all that is tried.
@@ -199,9 +199,8 @@ void ViewGuide::find_weakest(const Views& kept, const std::vector<Eigen::MatrixX
   }
 }
 
-void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
-  // The board may stick out of the picture a little, so that corners are seen near its border.
-  const BoardPlacement placement(board, camera_, wanted_area(board));
+std::vector<ViewGuide::Target> ViewGuide::candidates(const BoardPlacement& placement,
+                                                     double sigma) const {
   std::vector<Target> candidates;
   for (const SE3& pose : poses_inside(placement)) {
     const auto view = placement.view(pose, sigma);
@@ -210,14 +209,24 @@ void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
     if (gained > 0) candidates.push_back({pose, gained, nullptr, {}, std::nullopt});
   }
   std::ranges::stable_sort(candidates, std::greater<>(), &Target::gain);
+  return candidates;
+}
+
+void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
+  // The board may stick out of the picture a little, so that corners are seen near its border.
+  const BoardPlacement placement(board, camera_, wanted_area(board));
+  std::vector<Target> tried = candidates(placement, sigma);
   const BoardPlacement corners(board, camera_, board.extent());
+  const auto way_to = [&](const Target& candidate) {
+    return way_between(board, targets_.front().pose, candidate.pose);
+  };
   const auto is_as_easy = [&](const Target& candidate, Ease wanted) {
     if (wanted >= Ease::kRoomy && !has_room(placement, board, candidate.pose)) return false;
     if (wanted >= Ease::kKnown && !is_known(candidate.outline)) return false;
-    return wanted < Ease::kNear || is_near(board, targets_.front().pose, candidate.pose);
+    return wanted < Ease::kNear || way_to(candidate) <= kReach;
   };
   const auto take = [&](Ease wanted, std::size_t most) {
-    for (Target& candidate : candidates) {
+    for (Target& candidate : tried) {
       if (targets_.size() == most) return;
       if (candidate.view) continue;
       candidate.outline = corners.outline(candidate.pose);
@@ -235,7 +244,10 @@ void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
   };
   take(Ease::kAny, 1);
   if (targets_.empty()) return;
-  for (const Ease ease : {Ease::kNear, Ease::kKnown, Ease::kRoomy}) take(ease, kTargets);
+  take(Ease::kNear, kTargets);
+  // What is farther away takes a hand the longer: the nearest will do.
+  std::ranges::stable_sort(tried, std::less<>(), way_to);
+  for (const Ease ease : {Ease::kKnown, Ease::kRoomy}) take(ease, kTargets);
 }
 
 bool ViewGuide::is_known(const std::vector<Pixel>& outline) const {

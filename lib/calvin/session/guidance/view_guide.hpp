@@ -21,6 +21,8 @@
 
 namespace calvin {
 
+class BoardPlacement;
+
 class ViewGuide {
  public:
   using Views = std::vector<std::shared_ptr<const View>>;
@@ -44,8 +46,8 @@ class ViewGuide {
   // How the picture shows it there.
   [[nodiscard]] std::optional<BoardFootprint> footprint() const;
   // A hand does not get everywhere: the target is now the best one that is unlike those before,
-  // leaves more room around the board and, where there is one, lies where corners were seen already
-  // and not far from the first. There are a few of them.
+  // leaves more room around the board and, where there is one, lies where corners were seen
+  // already, not far from the first. There are a few of them.
   [[nodiscard]] bool has_another() const noexcept { return asked_ + 1 < targets_.size(); }
   void ask_for_another() noexcept;
 
@@ -73,6 +75,8 @@ class ViewGuide {
   };
 
   void find_weakest(const Views& kept, const std::vector<Eigen::MatrixXd>& information);
+  // All that the camera could see and that tell anything, the better ones first.
+  [[nodiscard]] std::vector<Target> candidates(const BoardPlacement& placement, double sigma) const;
   void find_targets(Views unlike, const Board& board, double sigma);
   // Whether corners were seen where the outline lies, or nearly so: elsewhere the camera may be
   // known so badly that the board is not seen where it is expected.
