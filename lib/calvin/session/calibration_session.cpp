@@ -130,10 +130,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
     return offered;
   }
   const bool new_board = choose_board(*board, times);
-  if (new_board) {
-    guide_.reset();
-    footprint_.reset();
-  }
+  if (new_board) guide_.reset();
   note_twin_boards(*board, observation, place);
   camera_ = observation.camera;
   times_ = times;

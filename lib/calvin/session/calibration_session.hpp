@@ -26,7 +26,6 @@
 #include "calvin/session/guidance/guided_capture.hpp"
 #include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/guidance/parameter_groups.hpp"
-#include "calvin/session/guidance/view_coverage.hpp"
 #include "calvin/session/guidance/view_guide.hpp"
 #include "calvin/session/points/expected_points.hpp"
 #include "calvin/session/points/manual_points.hpp"
@@ -277,8 +276,8 @@ class CalibrationSession {
   [[nodiscard]] bool exchanges_views() const;
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] ViewWorth worth(const View& view);
+  // The board is seen there: from there the hint leads to the outline, if there is one.
   void guide_from(const View& view);
-  void lead_to_target(std::uint64_t now);
   // A view was taken: whether it was of what the guide asked for.
   void note_missed();
   void miss_target();
@@ -341,9 +340,8 @@ class CalibrationSession {
   GuidedCapture capture_;
   std::uint64_t accepted_at_ = kNoTimestamp;  // timestamp of the newest view
   std::uint64_t hint_since_ = kNoTimestamp;   // timestamp at which the hint last changed
-  bool leads_ = false;                        // the hint: to the outline, from where the board is
-  std::optional<BoardFootprint> footprint_;   // where that is: of the newest frame that shows it
-  std::map<std::string, Board> boards_;       // by their texts, of the newest frames
+  bool leads_ = false;                   // the hint: from where the board is seen to the outline
+  std::map<std::string, Board> boards_;  // by their texts, of the newest frames
 
   // The camera.
   LensWatch lens_;

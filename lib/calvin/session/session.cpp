@@ -251,6 +251,13 @@ Session::Recent& Session::recent(const std::string& board) {
   return recent_.back();
 }
 
+const Observation* Session::newest(std::string_view board) const {
+  const auto of = std::ranges::find(recent_, board, &Recent::board);
+  if (of == recent_.end()) return nullptr;
+  const auto& sightings = of->now.empty() ? of->before : of->now;
+  return sightings.empty() ? nullptr : &sightings.front().seen;
+}
+
 void Session::begin_frame(const Observation& seen) {
   Recent& r = recent(seen.board);
   const bool timed = seen.timestamp != kNoTimestamp;

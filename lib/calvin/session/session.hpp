@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "calvin/core/observation.hpp"
@@ -106,6 +107,9 @@ class Session {
   [[nodiscard]] Progress progress() const;
   [[nodiscard]] Hint hint() const { return coverage_.hint(); }
   [[nodiscard]] const ViewCoverage& coverage() const noexcept { return coverage_; }
+  // The board of that text where it was seen last, in the newest frame or the one before; else
+  // null.
+  [[nodiscard]] const Observation* newest(std::string_view board) const;
   // What solve() is to take for the readout of the views; absent where nobody knows frames' times.
   [[nodiscard]] std::optional<ReadoutTime> readout() const;
   // What speaks against the readout that was given, for a user; absent where nothing does.

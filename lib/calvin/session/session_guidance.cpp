@@ -17,6 +17,7 @@ namespace {
 constexpr double kFar = 0.25;                 // of what the target tells: less is nowhere near it
 constexpr std::uint64_t kLost = 700'000'000;  // ns, longer than a board is lost while it moves
 
+// Whether that long has passed; not where a time is unknown.
 bool is_past(std::uint64_t since, std::uint64_t time, std::uint64_t now) {
   return now != kNoTimestamp && since != kNoTimestamp && now >= since && now - since >= time;
 }
@@ -67,22 +68,17 @@ void CalibrationSession::leave_stale_target(std::uint64_t now) {
   renew_hint();
 }
 
+// Words that change with every twitch of a hand cannot be followed.
 void CalibrationSession::guide_from(const View& view) {
+  constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
+  if (!guide_ || !guide_->footprint() || !hint_.target) return;
   const auto seen = footprint_of(view);
   if (!seen) return;
-  footprint_ = *seen;
-  if (hint_.target) lead_to_target(view.observation.timestamp);
-}
-
-// Words that change with every twitch of a hand cannot be followed.
-void CalibrationSession::lead_to_target(std::uint64_t now) {
-  constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
-  if (!guide_ || !guide_->footprint() || !footprint_) return;
-  Hint next = hint_towards(*guide_->footprint(), *footprint_);
+  Hint next = hint_towards(*guide_->footprint(), *seen);
   next.target = hint_.target;
-  const bool is_readable = hint_since_ == kNoTimestamp || now == kNoTimestamp ||
-                           now < hint_since_ || now - hint_since_ >= kReadable;
-  if (leads_ && (next == hint_ || !is_readable)) return;
+  const std::uint64_t now = view.observation.timestamp;
+  const bool known = now != kNoTimestamp && hint_since_ != kNoTimestamp && now >= hint_since_;
+  if (leads_ && (next == hint_ || (known && now - hint_since_ < kReadable))) return;
   hint_ = next;
   hint_since_ = now;
   leads_ = true;
@@ -177,7 +173,8 @@ void CalibrationSession::renew_hint() {
   if (has_target) {
     if (!leads_) hint_ = views_.hint();
     hint_.target = to_pose(*guide_->target());
-    if (!leads_) lead_to_target(newest_);
+    const Observation* seen = board_ && !leads_ ? views_.newest(board_->text()) : nullptr;
+    if (seen) guide_from({*seen, *board_});
     return;
   }
   hint_ = views_.hint();

@@ -24,7 +24,8 @@ enum class HintKind {
 };
 
 // A side or corner of the image for kMove, an edge of the board as the image shows it for kTilt.
-// Where an outline shows the place, kMove is that way from where the board is now.
+// Where an outline shows the place, kMove is that way from where the board is now. hint.cpp has
+// words for each, in this order.
 enum class HintDirection {
   kNone,
   kLeft,
@@ -40,8 +41,8 @@ enum class HintDirection {
 struct Hint {
   HintKind kind = HintKind::kShowBoard;
   HintDirection direction = HintDirection::kNone;
-  // What is to be done on the way: kComeCloser or kMoveBack beside kMove, kTilt beside these, with
-  // the direction.
+  // What else is to be done on the way to an outline: kComeCloser or kMoveBack beside kMove; kTilt,
+  // of the edge that `direction` names, beside kComeCloser and kMoveBack.
   std::optional<HintKind> also = std::nullopt;
 
   // camera_from_board of a view that does what the hint asks for, board upright. Absent for kGood,

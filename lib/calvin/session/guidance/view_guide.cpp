@@ -34,7 +34,7 @@ constexpr double kReach = 0.7;     // of its distance, to where it is moved at o
 constexpr double kBeyond = 0.05;   // of the diagonal: how far outside of the corners seen so far
 constexpr std::size_t kTargets = 3;
 
-// How easily a hand gets there and sees the board: each is all before it, too.
+// How easily a hand gets to a target and has the board seen there; each includes those before it.
 enum class Ease {
   kAny,
   kRoomy,  // however a hand errs, the board stays in the picture
@@ -80,7 +80,7 @@ std::optional<SE3> pose_inside(const BoardPlacement& placement, Pixel at, double
   return std::nullopt;
 }
 
-// In the camera's frame.
+// Of the board, in the camera's frame, m.
 Eigen::Vector3d middle_of(const Board& board, const SE3& pose) {
   const BoardArea area = board.outline();
   return pose * Eigen::Vector3d((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
@@ -229,7 +229,7 @@ void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
     for (Target& candidate : tried) {
       if (targets_.size() == most) return;
       if (candidate.view) continue;
-      candidate.outline = corners.outline(candidate.pose);
+      if (candidate.outline.empty()) candidate.outline = corners.outline(candidate.pose);
       // What cannot be shown cannot be followed: a wide lens may end within the board.
       if (candidate.outline.empty() || !is_as_easy(candidate, wanted)) continue;
       auto view = std::make_shared<View>(placement.view(candidate.pose, sigma).value());
