@@ -142,7 +142,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
     note_taken(times);
     lens_.view_taken();
     write_down_newest();
-    note_missed();
+    note_answer();
     accepted_at_ = observation.timestamp;
     capture_.restart(accepted_at_);
     offered.reached = consider();
@@ -313,6 +313,7 @@ void CalibrationSession::begin_session() {
   guide_.reset();
   missed_.clear();
   accepted_at_ = asked_at_ = kNoTimestamp;
+  answered_ = false;
   notice_until_ = guided_board_at_ = kNoTimestamp;
   twins_told_ = notice_is_new_ = false;
   waits_for_readout_ = false;

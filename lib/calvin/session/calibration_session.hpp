@@ -278,8 +278,8 @@ class CalibrationSession {
   [[nodiscard]] ViewWorth worth(const View& view);
   // The board is seen there: from there the hint leads to the outline, if there is one.
   void guide_from(const View& view);
-  // A view was taken: whether it was of what the guide asked for.
-  void note_missed();
+  // A view was taken: whether something else is to be asked for now.
+  void note_answer();
   void miss_target();
   // Asks for something else where a board that is brought to the target is lost on the way, or is
   // held where it tells little.
@@ -335,6 +335,7 @@ class CalibrationSession {
   Hint hint_;
   std::shared_ptr<ViewGuide> guide_;       // after the newest solve
   std::uint64_t asked_at_ = kNoTimestamp;  // timestamp since which its target is asked for
+  bool answered_ = false;                  // a view was taken of it, or for want of it
   double share_ = 0;                       // ViewGuide::share() of the newest observation
   ViewGuide::Views missed_;                // the newest views that were asked for in vain
   GuidedCapture capture_;

@@ -34,9 +34,15 @@ ViewWorth CalibrationSession::worth(const View& view) {
 }
 
 // The view that tells most may be one that a hand does not get to: whoever another view was taken
-// of for want of it is asked for something else next.
-void CalibrationSession::note_missed() {
-  if (guide_ && share_ < kFar) miss_target();
+// of for want of it is asked for something else next. Who does not follow yet gives views of
+// anything: for him the outline stays where it is for a while, or he could never get there.
+void CalibrationSession::note_answer() {
+  constexpr std::uint64_t kStale = 8'000'000'000;  // ns
+  if (!guide_) return;
+  const bool is_far = share_ < kFar;
+  if (is_far && !capture_.follows() && !is_past(asked_at_, kStale, newest_)) return;
+  answered_ = true;
+  if (is_far) miss_target();
 }
 
 void CalibrationSession::miss_target() {
@@ -56,6 +62,7 @@ void CalibrationSession::leave_stale_target(std::uint64_t now) {
   if (guide_->has_another() && (is_lost || in_vain)) {
     miss_target();
     guide_->ask_for_another();
+    answered_ = false;
     share_ = 0;
     asked_at_ = now;
     capture_.change_target(now);

@@ -89,8 +89,10 @@ void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<ViewGuide> 
   const bool wanted = views_.options().mode == CaptureMode::kAuto && !finished_ &&
                       (!board_ || board_ == job.next_board);
   if (!is_current(job.origin) || !wanted) return;
+  const bool stays = guide && guide_ && !answered_ && guide->keep_asking(*guide_, views_.views());
   guide_ = std::move(guide);
-  asked_at_ = newest_;
+  if (!stays) asked_at_ = newest_;
+  answered_ = false;
   share_ = 0;
   capture_.restart(times_.timestamp);
   end_at_limit();

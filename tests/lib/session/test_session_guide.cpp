@@ -165,6 +165,24 @@ TEST_F(GuidedSessions, DoNotInsistOnAViewThatNobodyGetsTo) {
   EXPECT_GT(farthest, 0.06) << "of the picture's width";
 }
 
+// Who does not follow yet gives views of other places: the outline stays where it is for when he
+// does, and is left when nobody comes.
+TEST_F(GuidedSessions, KeepTheirOutlineForWhoDoesNotFollowYet) {
+  begin_guided();
+  const SE3 wanted = target_;
+  hold({wanted.rotation, 2 * wanted.translation});
+  wait(6);
+  ASSERT_EQ(hold({wanted.rotation, 2 * wanted.translation}).reason, Reason::kAccepted);
+  ASSERT_LT(session_.progress().ghost_share, 0.25);
+  finish_solve(session_.take_solve());
+  EXPECT_EQ(session_.hint().target->rotation, to_pose(wanted).rotation);
+  EXPECT_EQ(session_.hint().target->translation, to_pose(wanted).translation);
+  // A view of it is wanted as ever.
+  EXPECT_EQ(hold(wanted).reason, Reason::kAccepted);
+  finish_solve(session_.take_solve());
+  EXPECT_NE(session_.hint().target->translation, to_pose(wanted).translation);
+}
+
 TEST_F(GuidedSessions, KeepTheirWordsForTwoSeconds) {
   begin_guided();
   const SE3 away = {target_.rotation, 1.6 * target_.translation};

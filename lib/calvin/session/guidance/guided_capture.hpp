@@ -40,6 +40,8 @@ class GuidedCapture {
   // Of a view that was seen at that time (ns); absent where nothing is asked for. Where nobody
   // knows the times (kNoTimestamp) there is nothing to wait for.
   [[nodiscard]] ViewWorth worth(const std::optional<NearView>& view, std::uint64_t now);
+  // Whether somebody brings the board to where it is asked for, by the newest views.
+  [[nodiscard]] bool follows() const noexcept { return follows_; }
 
  private:
   void follow(double distance, std::uint64_t now);

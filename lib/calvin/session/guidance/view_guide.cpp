@@ -33,6 +33,7 @@ constexpr double kBeside = 0.08;   // of the picture's longer side, that it is b
 constexpr double kReach = 0.7;     // of its distance, to where it is moved at once
 constexpr double kBeyond = 0.05;   // of the diagonal: how far outside of the corners seen so far
 constexpr std::size_t kTargets = 3;
+constexpr double kStill = 0.5;  // of what the best one tells: an older one is asked for as well
 
 // How easily a hand gets to a target and has the board seen there; each includes those before it.
 enum class Ease {
@@ -199,6 +200,11 @@ void ViewGuide::find_weakest(const Views& kept, const std::vector<Eigen::MatrixX
   }
 }
 
+void ViewGuide::Target::take(View seen) {
+  if (const auto found = footprint_of(seen)) footprint = *found;
+  view = std::make_shared<const View>(std::move(seen));
+}
+
 std::vector<ViewGuide::Target> ViewGuide::candidates(const BoardPlacement& placement,
                                                      double sigma) const {
   std::vector<Target> candidates;
@@ -232,12 +238,11 @@ void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
       if (candidate.outline.empty()) candidate.outline = corners.outline(candidate.pose);
       // What cannot be shown cannot be followed: a wide lens may end within the board.
       if (candidate.outline.empty() || !is_as_easy(candidate, wanted)) continue;
-      auto view = std::make_shared<View>(placement.view(candidate.pose, sigma).value());
-      view->observation.board = board.text();
-      const auto like = [&](const auto& other) { return is_like(*view, *other); };
+      View view = placement.view(candidate.pose, sigma).value();
+      view.observation.board = board.text();
+      const auto like = [&](const auto& other) { return is_like(view, *other); };
       if (std::ranges::any_of(unlike, like)) continue;
-      if (const auto footprint = footprint_of(*view)) candidate.footprint = *footprint;
-      candidate.view = std::move(view);
+      candidate.take(std::move(view));
       unlike.push_back(candidate.view);
       targets_.push_back(candidate);
     }
@@ -283,6 +288,25 @@ std::optional<BoardFootprint> ViewGuide::footprint() const {
 
 void ViewGuide::ask_for_another() noexcept {
   if (has_another()) ++asked_;
+}
+
+bool ViewGuide::keep_asking(const ViewGuide& before, const Views& kept) {
+  const Target* old = before.asked();
+  if (!old || !asked()) return false;
+  const auto like = [&](const auto& view) { return is_like(*old->view, *view); };
+  if (std::ranges::any_of(kept, like)) return false;
+  const Board& board = old->view->board;
+  const BoardPlacement placement(board, camera_, wanted_area(board));
+  if (!placement.is_inside(old->pose)) return false;
+  auto view = placement.view(old->pose, old->view->observation.sigma.front());
+  const auto information = view ? scorer_.information(*view, old->pose) : std::nullopt;
+  Target again = {old->pose, information ? gain(*view, *information) : 0, nullptr, {}, {}};
+  again.outline = BoardPlacement(board, camera_, board.extent()).outline(old->pose);
+  if (again.gain < kStill * asked()->gain || again.outline.empty()) return false;
+  view->observation.board = old->view->observation.board;
+  again.take(*std::move(view));
+  targets_.insert(targets_.begin() + static_cast<std::ptrdiff_t>(asked_), std::move(again));
+  return true;
 }
 
 double ViewGuide::uncovered(const std::vector<Pixel>& hull) const {

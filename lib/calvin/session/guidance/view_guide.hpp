@@ -50,6 +50,10 @@ class ViewGuide {
   // already, not far from the first. There are a few of them.
   [[nodiscard]] bool has_another() const noexcept { return asked_ + 1 < targets_.size(); }
   void ask_for_another() noexcept;
+  // Asks for what another guide asks for, so that an outline stays where it is; its own target is
+  // the next one. False where that is like one of the views, cannot be seen or tells less than half
+  // of what its own does: nothing is changed.
+  bool keep_asking(const ViewGuide& before, const Views& kept);
 
   // What a view tells as a part of what the target would tell: 0 for nothing, 1 for as much; more
   // where the target is not the best. 0 for a view without a pose.
@@ -72,6 +76,8 @@ class ViewGuide {
     std::shared_ptr<const View> view;
     std::vector<Pixel> outline;
     std::optional<BoardFootprint> footprint;
+
+    void take(View seen);  // the view there, and its footprint
   };
 
   void find_weakest(const Views& kept, const std::vector<Eigen::MatrixXd>& information);
