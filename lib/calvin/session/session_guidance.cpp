@@ -35,7 +35,7 @@ ViewWorth CalibrationSession::worth(const View& view) {
 
 // The view that tells most may be one that a hand does not get to: whoever another view was taken
 // of for want of it is asked for something else next. Who does not follow yet gives views of
-// anything: for him the outline stays where it is for a while, or he could never get there.
+// anything, while the outline stays where it is for a time: or nobody could begin to follow it.
 void CalibrationSession::note_answer() {
   constexpr std::uint64_t kStale = 8'000'000'000;  // ns
   if (!guide_) return;
