@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// How much of its picture a camera covers, over cells of solid angle.
+// How much of its picture a camera covers, over cells of solid angle, and how much of it a board.
 
 #include "calvin/camera/usable_area.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -12,6 +15,7 @@
 #include <Eigen/Geometry>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/geometry/convex_hull.hpp"
 
 namespace calvin {
 
@@ -42,6 +46,14 @@ double solid_angle(const Ray& a, const Ray& b, const Ray& c, const Ray& d) {
 
 constexpr double kLeast = 0.2;
 
+// How many times that way leads from a pixel in the picture to its border.
+double to_border(ImageSize size, Pixel from, Pixel way) {
+  const auto along = [](double at, double step, int count) {
+    return std::abs(((step < 0 ? 0 : count) - 0.5 - at) / step);
+  };
+  return std::min(along(from.u, way.u, size.width), along(from.v, way.v, size.height));
+}
+
 }  // namespace
 
 double usable_area(const Camera& camera) {
@@ -58,6 +70,29 @@ double usable_area(const Camera& camera) {
     above = std::move(below);
   }
   return squares > 0 ? sum * sum / (kColumns * kRows * squares) : 0;
+}
+
+double visible_area(const Camera& camera) {
+  constexpr double kGrazing = 85.0 / 180 * std::numbers::pi;  // rad
+  constexpr int kDirections = 360;
+  const ImageSize size = camera.image_size();
+  const auto axis = camera.project({0, 0, 1});
+  const bool is_inside =
+      axis && axis->u > 0 && axis->v > 0 && axis->u < size.width - 1 && axis->v < size.height - 1;
+  if (!is_inside) return 1.0 * size.width * size.height;
+  std::vector<Pixel> border;
+  for (int i = 0; i < kDirections; ++i) {
+    const double x = std::cos(2 * std::numbers::pi * i / kDirections);
+    const double y = std::sin(2 * std::numbers::pi * i / kDirections);
+    const double radius = std::sin(kGrazing);
+    const auto at = camera.project({radius * x, radius * y, std::cos(kGrazing)});
+    const Pixel way =
+        at ? Pixel{at->u - axis->u, at->v - axis->v} : Pixel{camera.fx() * x, camera.fy() * y};
+    const double most = to_border(size, *axis, way);
+    const double part = at ? std::min(1.0, most) : most;
+    border.push_back({axis->u + part * way.u, axis->v + part * way.v});
+  }
+  return polygon_area(border);
 }
 
 Status check_usable_area(const Camera& camera) {

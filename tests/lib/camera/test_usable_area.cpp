@@ -58,6 +58,22 @@ TEST(UsableArea, OfALensThatFoldsBack) {
   }
 }
 
+// A board is shown up to 85 degrees from the axis, a picture may be round, and what a model says of
+// places that it folds back from is no reason to leave them out.
+TEST(UsableArea, KnowsWhereABoardCanBeShown) {
+  const auto round = Camera::make("fisheye", {1920, 1080}, {326, 326, 960, 540, 0, 0, 0, 0});
+  const double radius = 326 * 85.0 / 180 * std::numbers::pi;
+  EXPECT_NEAR(visible_area(*round), std::numbers::pi * radius * radius, 1e-3 * radius * radius);
+  const auto wide = Camera::make("fisheye", {1920, 1080}, {650, 650, 960, 540, 0, 0, 0, 0});
+  const double wide_radius = 650 * 85.0 / 180 * std::numbers::pi;
+  EXPECT_LT(visible_area(*wide), 1920 * 1080);
+  EXPECT_GT(visible_area(*wide), 0.97 * 1920 * 1080) << "corners beyond " << wide_radius;
+  for (const char* text : {"fx=500,fy=500", "fx=500,fy=500,k1=-0.3", "fx=500,fy=480,cx=200,cy=300",
+                           "fx=150,fy=150,k1=-0.3,model=fisheye"}) {
+    EXPECT_NEAR(visible_area(camera_of(text)), 640 * 480, 0.005 * 640 * 480) << text;
+  }
+}
+
 TEST(UsableArea, EveryLensIsSilent) {
   for (const std::string_view model : model_names()) {
     const auto& samples = samples::lens(model);

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "calvin/camera/camera.hpp"
+#include "calvin/camera/usable_area.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 
 namespace calvin {
@@ -14,9 +16,12 @@ namespace calvin {
 namespace {
 
 bool covers_most(const Calibration& calibration) {
-  constexpr double kMost = 0.8;  // of the picture
+  constexpr double kMost = 0.8;  // of the picture, as far as a board can be shown there
   const ImageSize size = calibration.image_size;
-  return polygon_area(calibration.covered) >= kMost * size.width * size.height;
+  const double covered = polygon_area(calibration.covered);
+  if (covered >= kMost * size.width * size.height) return true;
+  const auto camera = Camera::make(calibration);
+  return camera && covered >= kMost * visible_area(*camera);
 }
 
 bool has_misfit(const Calibration& calibration) {
@@ -34,9 +39,9 @@ double wanted_error_anywhere(double target) {
 bool is_accurate(const Calibration& calibration, double target) {
   const auto& anywhere = calibration.expected_error_anywhere;
   const double wanted = wanted_error_anywhere(target);
-  if (!(target > 0)) return covers_most(calibration) && anywhere.value_or(HUGE_VAL) <= wanted;
+  if (!(target > 0)) return anywhere.value_or(HUGE_VAL) <= wanted && covers_most(calibration);
   if (calibration.expected_error.value_or(HUGE_VAL) > target) return false;
-  return covers_most(calibration) || anywhere.value_or(0) <= wanted;
+  return anywhere.value_or(0) <= wanted || covers_most(calibration);
 }
 
 bool is_good_enough(const Calibration& calibration, double target) {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/camera/usable_area.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/session/guidance/board_placement.hpp"
 #include "calvin/solve/pose.hpp"
@@ -158,6 +159,12 @@ double middle_sigma(const std::vector<std::shared_ptr<const View>>& views) {
 }
 
 }  // namespace
+
+ViewGuide::ViewGuide(const Camera& camera, ViewScorer scorer)
+    : camera_(camera),
+      visible_area_(visible_area(camera)),
+      scorer_(std::move(scorer)),
+      known_(scorer_.prior()) {}
 
 std::optional<ViewGuide> ViewGuide::make(const Camera& camera, const SolveOptions& options,
                                          const Views& kept, const Board& board,
@@ -310,8 +317,7 @@ bool ViewGuide::keep_asking(const ViewGuide& before, const Views& kept) {
 }
 
 double ViewGuide::uncovered(const std::vector<Pixel>& hull) const {
-  const ImageSize size = camera_.image_size();
-  return std::max(kEnough, 1 - polygon_area(hull) / (1.0 * size.width * size.height));
+  return std::max(kEnough, 1 - polygon_area(hull) / visible_area_);
 }
 
 double ViewGuide::gain(const View& view, const Eigen::MatrixXd& information) const {

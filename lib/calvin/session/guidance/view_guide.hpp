@@ -68,8 +68,7 @@ class ViewGuide {
   [[nodiscard]] bool has_exchange() const noexcept { return has_exchange_; }
 
  private:
-  ViewGuide(Camera camera, ViewScorer scorer)
-      : camera_(std::move(camera)), scorer_(std::move(scorer)), known_(scorer_.prior()) {}
+  ViewGuide(const Camera& camera, ViewScorer scorer);
   struct Target {
     SE3 pose;  // camera_from_board
     double gain = 0;
@@ -92,6 +91,7 @@ class ViewGuide {
   [[nodiscard]] double uncovered(const std::vector<Pixel>& hull) const;
 
   Camera camera_;
+  double visible_area_ = 0;  // px^2, of the picture
   ViewScorer scorer_;
   Eigen::MatrixXd known_;  // the prior and the information of the views that are kept
   double variance_ = 0;    // px^2, of known_
