@@ -42,7 +42,7 @@ constexpr std::size_t kMostBoards = 64;
 constexpr std::size_t kMostCorners = 2000;
 constexpr double kDarkest = 0.3;            // of a channel: pure blue is hard to see on black
 constexpr std::size_t kMostGhost = 256;     // points of its outline
-constexpr double kReached = 0.5;            // of what the view would tell: it is taken
+constexpr double kReached = 0.8;            // of what the view would tell: it is taken
 constexpr Colour kGhost{1, 0.85, 0.15, 1};  // on a white board too
 
 // Red at 0, over yellow, green and blue to violet at 1.

@@ -37,7 +37,7 @@ TEST(GuidedCapture, WaitsForWhoFollows) {
     const ViewWorth worth = capture.worth(NearView{0.1 * t, 500 - 100 * t}, at(t));
     EXPECT_FALSE(worth.moving || worth.restless) << t;
     // After so long less will do for a board that is held still.
-    EXPECT_EQ(worth.still, 0.1 * t >= 0.5 * (1 - t / 8)) << t;
+    EXPECT_EQ(worth.still, 0.1 * t >= 0.8 * (1 - t / 8)) << t;
   }
   EXPECT_FALSE(capture.worth(NearView{0.9, 90}, at(3.6)).moving) << "it still comes nearer";
   EXPECT_TRUE(capture.worth(NearView{0.6, 110}, at(3.7)).moving) << "it has passed by";
@@ -76,9 +76,9 @@ TEST(GuidedCapture, GoesOnWaitingForAnotherView) {
   capture.restart(at(0));
   EXPECT_FALSE(capture.worth(NearView{0.15, 300}, at(5)).still);
   capture.change_target(at(5));
-  EXPECT_TRUE(capture.worth(NearView{0.15, 300}, at(6)).still);
-  capture.restart(at(6));
-  EXPECT_FALSE(capture.worth(NearView{0.15, 300}, at(7)).still);
+  EXPECT_TRUE(capture.worth(NearView{0.15, 300}, at(7)).still);
+  capture.restart(at(7));
+  EXPECT_FALSE(capture.worth(NearView{0.15, 300}, at(8)).still);
 }
 
 // A stream that begins anew.

@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "calvin/camera/usable_area.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/session/calibration_session.hpp"
 #include "scenes.hpp"
@@ -33,7 +34,7 @@ struct Known {
 // What came of one session, by the number of views.
 struct Course {
   std::map<std::size_t, Known> after;
-  std::optional<double> done_at;  // s: 2 x expected-error <= 0.3 px, 80 % covered
+  std::optional<double> done_at;  // s: 2 x expected-error <= 0.3 px, 80 % of what it sees covered
   std::size_t done_with = 0;      // views
   double longest_wait = 0;        // s, from one view to the next until then
 };
@@ -105,8 +106,7 @@ class Operator {
   void note(const Calibration& found, double now) {
     run_.after[views()] = {scenes::worst_error(found, truth_, {}),
                            scenes::worst_error(found, truth_, found.covered), found};
-    const double covered =
-        polygon_area(found.covered) / (1.0 * scenes::kSize.width * scenes::kSize.height);
+    const double covered = polygon_area(found.covered) / visible_area(truth_);
     if (run_.done_at || 2 * found.expected_error.value_or(HUGE_VAL) > 0.3 || covered < 0.8) return;
     run_.done_at = now;
     run_.done_with = views();

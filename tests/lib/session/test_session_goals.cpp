@@ -3,7 +3,10 @@
 
 // When a CalibrationSession is done, and which of two results is the better one.
 
+#include <cmath>
+#include <numbers>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "session_fixture.hpp"
@@ -35,6 +38,38 @@ TEST_F(CalibrationSessions, AreNotCompleteWithACornerOfThePicture) {
     const auto published = session_.solved(*job, solution);
     ASSERT_TRUE(published.has_value());
     EXPECT_EQ(published->reached, c.reached) << c.anywhere;
+  }
+}
+
+// A lens of more than 180 degrees whose picture is round: its corners are black, and no board is
+// ever seen there.
+TEST_F(CalibrationSessions, AreCompleteWithAPictureThatIsRound) {
+  SessionSettings settings;
+  settings.target_error = 0.2;
+  const std::vector<double> equidistant = {305.6, 305.6, 640, 480, 0, 0, 0, 0};
+  const Calibration round =
+      Camera::make("fisheye", scenes::kSize, equidistant).value().to_calibration();
+  const auto disc = [](double radius) {
+    std::vector<Pixel> corners;
+    for (int i = 0; i < 64; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 64;
+      corners.push_back({640 + radius * std::cos(angle), 480 + radius * std::sin(angle)});
+    }
+    return corners;
+  };
+  // 480 px are 90 degrees from the axis, 453 px 85.
+  for (const auto& [radius, reached] : {std::pair{420.0, "target-error"}, {390.0, ""}}) {
+    session_ = CalibrationSession();
+    settings_ = {};
+    begin(settings);
+    show(3);
+    const auto job = session_.take_solve();
+    Solution solution = found(*job, 0.1);
+    solution.calibration.model = round.model;
+    solution.calibration.parameters = round.parameters;
+    solution.calibration.expected_error_anywhere = 50;
+    solution.calibration.covered = disc(radius);
+    EXPECT_EQ(session_.solved(*job, solution)->reached, reached) << radius;
   }
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::array kPlaces = {0.12, 0.3, 0.5, 0.7, 0.88};  // of the picture, across and down
 constexpr std::array kSizes = {0.25, 0.35, 0.5, 0.65, 0.8};  // BoardPlacement::pose_at
-constexpr std::array kTilts = {0.35, 0.65};                  // rad
+constexpr std::array kTilts = {0.4, 0.8};                    // rad
 constexpr int kDirections = 8;                               // to which it is tilted
 constexpr double kEnough = 0.2;    // of the picture that may stay uncovered, as of who is done
 constexpr double kRoll = 0.15;     // rad, to either side
