@@ -67,10 +67,13 @@ TEST(UsableArea, KnowsWhereABoardCanBeShown) {
   const auto wide = Camera::make("fisheye", {1920, 1080}, {650, 650, 960, 540, 0, 0, 0, 0});
   EXPECT_LT(visible_area(*wide), 0.97 * 1920 * 1080) << "its corners are 97 degrees from the axis";
   EXPECT_GT(visible_area(*wide), 0.93 * 1920 * 1080);
-  for (const char* text : {"fx=500,fy=500", "fx=500,fy=500,k1=-0.3", "fx=500,fy=480,cx=200,cy=300",
-                           "fx=300,fy=300,k1=-0.2,k2=0,k3=0,k4=0,model=fisheye"}) {
+  for (const char* text : {"fx=500,fy=500", "fx=500,fy=500,k1=-0.3", "fx=500,fy=480,k1=0.1"}) {
     EXPECT_NEAR(visible_area(camera_of(text)), 640 * 480, 0.005 * 640 * 480) << text;
   }
+  const auto folds = Camera::make("fisheye", {640, 480}, {300, 300, 320, 240, -0.2, 0, 0, 0});
+  ASSERT_TRUE(folds) << folds.error().message;
+  EXPECT_FALSE(folds->unproject({10, 240})) << "nothing of the model is there";
+  EXPECT_NEAR(visible_area(*folds), 640 * 480, 0.005 * 640 * 480);
 }
 
 TEST(UsableArea, EveryLensIsSilent) {
