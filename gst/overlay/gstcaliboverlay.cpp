@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,28 +62,38 @@ void read_metas(State& state, GstBuffer* buffer) {
   }
 }
 
-// Where the board is not: what is drawn changes places once the board comes to where it is, and the
-// other place is free.
-void place_panel(State& state, const std::vector<Observation>& seen, const Progress& progress,
-                 ImageSize frame) {
-  const PanelSide other = state.panel == PanelSide::kLeft ? PanelSide::kRight : PanelSide::kLeft;
-  const auto hides = [&](PanelSide side) {
-    return hides_corner(overlay_panel_box(frame, progress, side), seen, frame);
-  };
-  if (hides(state.panel) && !hides(other)) state.panel = other;
+// What one looks at: the board, and where it is wanted.
+struct InView {
+  const std::vector<Observation>& boards;
+  std::span<const Pixel> ghost;  // Progress::ghost
+};
+
+// How much of that lies under what is drawn there: rather the ghost than the board.
+int hidden(const OverlayBox& box, const InView& in_view, ImageSize frame) {
+  const int boards = hides_corner(box, in_view.boards, frame) ? 2 : 0;
+  return boards + (hides_outline(box, in_view.ghost, frame) ? 1 : 0);
 }
 
-const OverlayTile* draw_words(State& state, const std::vector<Observation>& seen,
+// What is drawn changes places once the other place hides less.
+void place_panel(State& state, const InView& in_view, const Progress& progress, ImageSize frame) {
+  const PanelSide other = state.panel == PanelSide::kLeft ? PanelSide::kRight : PanelSide::kLeft;
+  const auto hidden_at = [&](PanelSide side) {
+    return hidden(overlay_panel_box(frame, progress, side), in_view, frame);
+  };
+  if (hidden_at(other) < hidden_at(state.panel)) state.panel = other;
+}
+
+const OverlayTile* draw_words(State& state, const InView& in_view,
                               const gst::Caption::Words& words) {
   using Place = gst::Caption::Place;
-  const auto hides = [&](const OverlayTile& tile) {
-    return hides_corner({tile.x, tile.y, tile.width, tile.height}, seen, words.frame);
+  const auto hidden_by = [&](const OverlayTile& tile) {
+    return hidden({tile.x, tile.y, tile.width, tile.height}, in_view, words.frame);
   };
   const Place other = state.words_at == Place::kBottom ? Place::kTop : Place::kBottom;
   const OverlayTile* here = state.caption.draw(words, state.words_at);
-  if (here == nullptr || !hides(*here)) return here;
+  if (here == nullptr || hidden_by(*here) == 0) return here;
   const OverlayTile* there = state.caption.draw(words, other);
-  if (hides(*there)) return here;
+  if (hidden_by(*there) >= hidden_by(*here)) return here;
   state.words_at = other;
   return there;
 }
@@ -91,15 +102,17 @@ const OverlayTile* draw_words(State& state, const std::vector<Observation>& seen
 void draw_all_words(State& state, const gst::OverlaySettings& settings,
                     const std::vector<Observation>& seen, const Progress& progress,
                     ImageSize frame) {
+  InView in_view = {seen, {}};
+  if (settings.ghost) in_view.ghost = progress.ghost;
   OverlaySpan room{0, frame.width};
   if (settings.coverage) {
-    place_panel(state, seen, progress, frame);
+    place_panel(state, in_view, progress, frame);
     state.words_in_panel =
         state.panel_words.draw(overlay_panel_words(frame, progress, state.panel), frame);
     room = beside_panel(overlay_panel_box(frame, progress, state.panel), frame);
   }
   if (!settings.caption) return;
-  state.words = draw_words(state, seen, {overlay_caption(progress), frame, room, progress.done});
+  state.words = draw_words(state, in_view, {overlay_caption(progress), frame, room, progress.done});
 }
 
 // To find and read fonts takes longer than a frame may: before there is one.

@@ -119,6 +119,24 @@ GST_START_TEST(test_the_panel_makes_room_for_the_board) {
 }
 GST_END_TEST;
 
+// Where the board is wanted has to be seen, too; where both cannot be, the board.
+GST_START_TEST(test_the_panel_makes_room_for_the_ghost) {
+  Harness harness(kFrames);
+  const auto is_left = [&](double ghost, double u) {
+    Progress progress = under_way();
+    for (const double corner : {0.0, 0.1, 0.2, 0.3}) {
+      progress.ghost.push_back({ghost + corner / 10, 0.1 + corner});
+    }
+    g_autoptr(GstBuffer) out = drawn(harness, progress, {board_at(u, 60)});
+    return changes(harness.info, out, {12, 12, 40, 30}).inside > 300;
+  };
+  fail_unless(is_left(0.5, 300));
+  fail_if(is_left(0.05, 300));
+  fail_unless(is_left(0.05, 560), "the board counts more");
+  fail_if(is_left(0.05, 300));
+}
+GST_END_TEST;
+
 static Suite* caliboverlay_panel_suite() {
   Suite* suite = suite_create("caliboverlay_panel");
   TCase* tc = tcase_create("general");
@@ -127,6 +145,7 @@ static Suite* caliboverlay_panel_suite() {
   tcase_add_test(tc, test_bars_and_chips_have_words);
   tcase_add_test(tc, test_the_numbers_are_there_when_it_is_done);
   tcase_add_test(tc, test_the_panel_makes_room_for_the_board);
+  tcase_add_test(tc, test_the_panel_makes_room_for_the_ghost);
 #endif
   suite_add_tcase(suite, tc);
   return suite;

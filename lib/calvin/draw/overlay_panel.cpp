@@ -63,6 +63,10 @@ std::size_t lines_of(const Progress& progress) {
   return kBars.size() + std::min(progress.parameters.size(), kMostChips);
 }
 
+bool is_under(const OverlayBox& box, Pixel at) {
+  return at.u >= box.x && at.u < box.x + box.width && at.v >= box.y && at.v < box.y + box.height;
+}
+
 bool has_map(const Progress& progress) { return progress.coverage_map.rows() > 0; }
 
 // Where the parts of the panel are, all in px of the frame.
@@ -211,13 +215,16 @@ OverlaySpan beside_panel(const OverlayBox& panel, ImageSize frame) {
 }
 
 bool hides_corner(const OverlayBox& box, std::span<const Observation> seen, ImageSize frame) {
-  const auto is_under = [&box](Pixel at) {
-    return at.u >= box.x && at.u < box.x + box.width && at.v >= box.y && at.v < box.y + box.height;
-  };
   return std::ranges::any_of(seen, [&](const Observation& o) {
     if (o.image_size.width < 1 || o.image_size.height < 1) return false;
     const auto to_frame = ImageTransform::scaled(o.image_size, frame);
-    return std::ranges::any_of(o.uv, [&](Pixel at) { return is_under(to_frame(at)); });
+    return std::ranges::any_of(o.uv, [&](Pixel at) { return is_under(box, to_frame(at)); });
+  });
+}
+
+bool hides_outline(const OverlayBox& box, std::span<const Pixel> outline, ImageSize frame) {
+  return std::ranges::any_of(outline, [&](const Pixel& part) {
+    return is_under(box, {coordinate_at(part.u, frame.width), coordinate_at(part.v, frame.height)});
   });
 }
 

@@ -98,6 +98,14 @@ TEST(OverlayPanel, HidesACornerWhereOneIsUnderIt) {
   EXPECT_FALSE(is_hidden({60, 80})) << "of a picture whose size nobody knows";
 }
 
+TEST(OverlayPanel, HidesAnOutlineWhereAPlaceOfItIsUnderIt) {
+  const OverlayBox box = {10, 20, 100, 50};  // of 640 x 480
+  EXPECT_TRUE(hides_outline(box, std::vector<Pixel>{{0.5, 0.5}, {0.1, 0.1}}, kFrame));
+  EXPECT_FALSE(hides_outline(box, std::vector<Pixel>{{0.5, 0.5}, {0.1, 0.2}}, kFrame));
+  EXPECT_FALSE(hides_outline(box, std::vector<Pixel>{{NAN, 0.1}}, kFrame));
+  EXPECT_FALSE(hides_outline(box, {}, kFrame));
+}
+
 #if CALVIN_HAVE_CAIRO
 
 struct Colour {
