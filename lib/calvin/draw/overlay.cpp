@@ -234,10 +234,9 @@ std::string figures_of(const Progress& progress) {
   if (anywhere > kNothingKnown) return text + " where the board was, unknown elsewhere";
   const std::string elsewhere =
       2 * anywhere < 10 ? fmt::format("{:.2f}", 2 * anywhere) : fmt::format("{:.3g}", 2 * anywhere);
-  const double wanted = progress.wanted_error_anywhere.value_or(std::nan(""));
-  const std::string goal = std::isfinite(wanted)
-                               ? fmt::format(", where {:.2f} px is wanted", 2 * wanted)
-                               : std::string();
+  const double wanted = progress.wanted_error_anywhere.value_or(HUGE_VAL);
+  const std::string goal =
+      anywhere > wanted ? fmt::format(", where {:.2f} px is wanted", 2 * wanted) : std::string();
   return fmt::format("{} where the board was, {} px elsewhere{}", text, elsewhere, goal);
 }
 
