@@ -68,7 +68,7 @@ struct InView {
   std::span<const Pixel> ghost;  // Progress::ghost
 };
 
-// How much of that lies under what is drawn there: rather the ghost than the board.
+// How much of that lies under what is drawn there; the board counts more than the ghost.
 int hidden(const OverlayBox& box, const InView& in_view, ImageSize frame) {
   const int boards = hides_corner(box, in_view.boards, frame) ? 2 : 0;
   return boards + (hides_outline(box, in_view.ghost, frame) ? 1 : 0);

@@ -20,6 +20,10 @@ bool covers_most(const Calibration& calibration) {
   const ImageSize size = calibration.image_size;
   const double covered = polygon_area(calibration.covered);
   if (covered >= kMost * size.width * size.height) return true;
+  // Of a camera that is known in the middle alone nobody knows where its picture ends.
+  constexpr double kKnown = 0.01;  // of the diagonal
+  const double anywhere = calibration.expected_error_anywhere.value_or(HUGE_VAL);
+  if (anywhere > kKnown * std::hypot(size.width, size.height)) return false;
   const auto camera = Camera::make(calibration);
   return camera && covered >= kMost * visible_area(*camera);
 }
