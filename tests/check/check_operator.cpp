@@ -178,7 +178,7 @@ double median(std::vector<double> values) {
 
 const struct {
   const char* model;
-  double noise;  // grey levels: corners are exact to about .1 and .03 px
+  double noise;  // grey levels: corners are exact to about .015 and .004 px
 } kCells[] = {{"brown5", 12}, {"brown4", 12}, {"fisheye", 12},
               {"brown5", 3},  {"brown4", 3},  {"fisheye", 3}};
 
