@@ -239,6 +239,7 @@ class CalibrationSession {
   std::string_view end_at_limit(bool solve = true);
   [[nodiscard]] std::string hint_text() const;
   [[nodiscard]] Hint first_hint() const;
+  [[nodiscard]] bool is_blurred() const;
   void solve_with_readout();
   [[nodiscard]] Offered note_light(const Observation& observation, const Board& board);
   // Whether what came of an observation is news, and with what it is told.

@@ -141,6 +141,9 @@ std::string CalibrationSession::hint_text() const {
   if (!obstacle_.empty()) return obstacle_;
   const bool is_told = notice_until_ != kNoTimestamp && newest_ <= notice_until_;
   if (is_told) return notice_;
+  if (!finished_ && is_blurred()) {
+    return "The picture is blurred: focus the lens, or give it more light and a shorter exposure.";
+  }
   // More views of the kind do not help where the views contradict what is solved.
   const double target = plan_.settings.target_error;
   const bool is_doubted = !finished_ && calibration_ && is_accurate(*calibration_, target) &&
@@ -153,6 +156,13 @@ std::string CalibrationSession::hint_text() const {
   // Nobody knows which way it is from a board that is not seen.
   const bool is_lost = is_past(times_.timestamp, kLost, newest_);
   return is_lost ? "Show the board where the outline is." : text_to_outline(hint_);
+}
+
+// Whether that is why nothing is taken; a board on its way may be blurred for a moment.
+bool CalibrationSession::is_blurred() const {
+  constexpr std::uint64_t kLong = 3'000'000'000;  // ns
+  const bool is_waiting = views_.views().empty() || is_past(accepted_at_, kLong, newest_);
+  return is_waiting && std::ranges::find(last_reasons_, Reason::kBlurred) != last_reasons_.end();
 }
 
 // Whoever shows the board and has no view of it yet has to know why.

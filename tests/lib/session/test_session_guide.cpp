@@ -217,6 +217,34 @@ TEST_F(GuidedSessions, LeadFromWhereTheBoardIs) {
   EXPECT_NE(session_.progress().hint.find("come closer"), std::string::npos);
 }
 
+// A lens that is out of focus: no view is taken, and nothing that one could do with the board
+// helps.
+TEST_F(GuidedSessions, SayThatThePictureIsBlurred) {
+  const auto hold_blurred = [&](const SE3& pose) {
+    for (int i = 0; i < 2; ++i, ++frame_) {
+      Observation seen = at(pose);
+      seen.blur = 3;
+      EXPECT_NE(session_.offer(seen, times(frame_)).reason, Reason::kAccepted);
+    }
+    return session_.progress().hint.starts_with("The picture is blurred: ");
+  };
+  begin();
+  SessionSettings automatic = settings_;
+  automatic.capture_mode = CaptureChoice::kAuto;
+  set(automatic);
+  scenes::Random random(1);
+  EXPECT_TRUE(hold_blurred(scenes::random_pose(camera_, scenes::kBoard, random, 0.3)));
+  session_ = CalibrationSession();
+  settings_ = {};
+  begin_guided();
+  ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
+  EXPECT_FALSE(hold_blurred(target_)) << "for a moment";
+  wait(4);
+  EXPECT_TRUE(hold_blurred(target_));
+  hold(target_);
+  EXPECT_FALSE(session_.progress().hint.starts_with("The picture is blurred: "));
+}
+
 TEST_F(GuidedSessions, SayThatTheyAreDone) {
   begin_guided();
   SessionSettings settings = settings_;
