@@ -42,7 +42,6 @@ constexpr std::size_t kMostBoards = 64;
 constexpr std::size_t kMostCorners = 2000;
 constexpr double kDarkest = 0.3;            // of a channel: pure blue is hard to see on black
 constexpr std::size_t kMostGhost = 256;     // points of its outline
-constexpr double kReached = 0.8;            // of what the view would tell: it is taken
 constexpr Colour kGhost{1, 0.85, 0.15, 1};  // on a white board too
 
 // Red at 0, over yellow, green and blue to violet at 1.
@@ -169,7 +168,7 @@ void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& prog
   if (count < 4 || count > kMostGhost || !std::ranges::all_of(progress.ghost, sane)) return;
   const double unit = unit_of(frame);
   const double pen = std::max(1.0, 2.5 * unit);
-  const double share = std::clamp(progress.ghost_share / kReached, 0.0, 1.0);
+  const double share = std::clamp(progress.ghost_share / Progress::kEnoughShare, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(std::lround(share * static_cast<double>(count)));
   for (std::size_t i = 0; i < count; ++i) {
     const Colour& colour = i < filled ? kGreen : kGhost;

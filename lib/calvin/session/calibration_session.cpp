@@ -183,6 +183,10 @@ Offered CalibrationSession::note_light(const Observation& observation, const Boa
 void CalibrationSession::report(Offered& offered, std::size_t place) {
   if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
   const bool is_new = std::exchange(last_reasons_[place], offered.reason) != offered.reason;
+  if (place == 0) {
+    const std::uint64_t since = blurred_since_ == kNoTimestamp ? newest_ : blurred_since_;
+    blurred_since_ = offered.reason == Reason::kBlurred ? since : kNoTimestamp;
+  }
   const bool is_hindered = !obstacle_.empty() && obstacle_ != told_obstacle_;
   const bool is_noticed = std::exchange(notice_is_new_, false);
   offered.report = offered.reason == Reason::kAccepted || is_new || is_hindered || is_noticed;
@@ -313,6 +317,7 @@ void CalibrationSession::begin_session() {
   guide_.reset();
   missed_.clear();
   accepted_at_ = asked_at_ = kNoTimestamp;
+  blurred_since_ = kNoTimestamp;
   answered_ = false;
   notice_until_ = guided_board_at_ = kNoTimestamp;
   twins_told_ = notice_is_new_ = false;

@@ -313,9 +313,10 @@ class CalibrationSession {
   bool journaling_ = false;
   std::vector<JournalEntry> entries_;  // for take_journal()
   ImageSize size_;
-  std::string camera_;                // as the newest observation names it
-  FrameTimes times_;                  // of the newest frame with a board
-  std::vector<Reason> last_reasons_;  // by place
+  std::string camera_;                          // as the newest observation names it
+  FrameTimes times_;                            // of the newest frame with a board
+  std::vector<Reason> last_reasons_;            // by place
+  std::uint64_t blurred_since_ = kNoTimestamp;  // timestamp, of the first board of each frame
   Refusals refused_;
   std::shared_ptr<const EarlierCalibration> earlier_;  // not judged yet
   std::string notice_;                                 // what is told for a while, once

@@ -56,6 +56,7 @@ struct Progress {
   std::vector<Pixel> ghost;
   // Of what the view at the target would tell: as much of it as the newest view does, 0..1.
   double ghost_share = 0;
+  static constexpr double kEnoughShare = 0.8;  // is taken at once where the board is held still
   CoverageMap coverage_map;  // what boards covered; without columns where it is not known
   std::vector<ParameterGroup> parameters =
       {};                                 // of the newest calibration; empty before the first one

@@ -158,11 +158,11 @@ std::string CalibrationSession::hint_text() const {
   return is_lost ? "Show the board where the outline is." : text_to_outline(hint_);
 }
 
-// Whether that is why nothing is taken; a board on its way may be blurred for a moment.
+// Whether that is why nothing is taken. A board on its way may be blurred for a moment, and where
+// nothing more is needed it does not matter.
 bool CalibrationSession::is_blurred() const {
-  constexpr std::uint64_t kLong = 3'000'000'000;  // ns
-  const bool is_waiting = views_.views().empty() || is_past(accepted_at_, kLong, newest_);
-  return is_waiting && std::ranges::find(last_reasons_, Reason::kBlurred) != last_reasons_.end();
+  constexpr std::uint64_t kLong = 1'000'000'000;  // ns
+  return hint_.kind != HintKind::kGood && is_past(blurred_since_, kLong, newest_);
 }
 
 // Whoever shows the board and has no view of it yet has to know why.

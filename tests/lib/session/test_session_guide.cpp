@@ -220,8 +220,8 @@ TEST_F(GuidedSessions, LeadFromWhereTheBoardIs) {
 // A lens that is out of focus: no view is taken, and nothing that one could do with the board
 // helps.
 TEST_F(GuidedSessions, SayThatThePictureIsBlurred) {
-  const auto hold_blurred = [&](const SE3& pose) {
-    for (int i = 0; i < 2; ++i, ++frame_) {
+  const auto hold_blurred = [&](const SE3& pose, int frames = 35) {
+    for (const int first = frame_; frame_ < first + frames; ++frame_) {
       Observation seen = at(pose);
       seen.blur = 3;
       EXPECT_NE(session_.offer(seen, times(frame_)).reason, Reason::kAccepted);
@@ -238,8 +238,7 @@ TEST_F(GuidedSessions, SayThatThePictureIsBlurred) {
   settings_ = {};
   begin_guided();
   ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
-  EXPECT_FALSE(hold_blurred(target_)) << "for a moment";
-  wait(4);
+  EXPECT_FALSE(hold_blurred(target_, 2)) << "for a moment";
   EXPECT_TRUE(hold_blurred(target_));
   hold(target_);
   EXPECT_FALSE(session_.progress().hint.starts_with("The picture is blurred: "));

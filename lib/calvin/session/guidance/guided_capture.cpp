@@ -8,12 +8,13 @@
 
 #include <algorithm>
 
+#include "calvin/session/progress.hpp"
+
 namespace calvin {
 
 namespace {
 
-constexpr double kWanted = 0.8;      // of what the view asked for tells, of who holds still there
-constexpr double kPassing = 0.5;     // likewise, of who passes by
+constexpr double kPassing = 0.5;     // of what the view asked for tells: of who passes by
 constexpr double kPatience = 8e9;    // ns, after which anything new is welcome
 constexpr double kReaction = 1.5e9;  // ns, in which who follows has come nearer
 constexpr double kTooLong = 4e9;     // ns, after which nobody is asked to hold it still
@@ -57,7 +58,8 @@ ViewWorth GuidedCapture::worth(const std::optional<NearView>& view, std::uint64_
   if (!view) return {true, false, paused};
   follow(view->distance, now);
   const bool turned_away = view->distance > kTurnedAway * nearest_;
-  const bool is_enough = view->share >= kWanted * (1 - std::min(1.0, waited / kPatience));
+  const double patience = 1 - std::min(1.0, waited / kPatience);
+  const bool is_enough = view->share >= Progress::kEnoughShare * patience;
   const bool is_enough_moving = view->share >= kPassing || waited > kPatience;
   return {is_enough, is_enough_moving && (turned_away || waited > kTooLong), !follows_ && paused};
 }
