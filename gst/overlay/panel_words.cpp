@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <pango/pangocairo.h>
@@ -45,19 +46,37 @@ OverlayTile around(const std::vector<OverlayWords>& words, ImageSize frame) {
   return tile;
 }
 
-void draw_line(cairo_t* cr, TextPainter& painter, const OverlayWords& words,
-               const OverlayTile& tile) {
-  PangoLayout* layout = painter.lay_out(words.text, words.size, words.width, 1);
-  PangoRectangle logical;
-  pango_layout_get_pixel_extents(layout, nullptr, &logical);
-  cairo_move_to(cr, words.at.u + 0.5 - tile.x, words.at.v + 0.5 - tile.y - logical.height / 2.0);
-  pango_cairo_layout_path(cr, layout);
-  cairo_set_source_rgba(cr, 0, 0, 0, 0.75);
-  cairo_set_line_width(cr, words.size / 5);
-  cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
-  cairo_stroke_preserve(cr);
-  cairo_set_source_rgb(cr, 1, 1, 1);
-  cairo_fill(cr);
+// What of each pixel the words cover.
+CairoSurface cover_of(TextPainter& painter, const std::vector<OverlayWords>& words,
+                      const OverlayTile& tile) {
+  CairoSurface cover(cairo_image_surface_create(CAIRO_FORMAT_A8, tile.width, tile.height));
+  const CairoContext context(cairo_create(cover.get()));
+  for (const OverlayWords& w : words) {
+    PangoLayout* layout = painter.lay_out(w.text, w.size, w.width, 1);
+    PangoRectangle logical;
+    pango_layout_get_pixel_extents(layout, nullptr, &logical);
+    cairo_move_to(context.get(), w.at.u + 0.5 - tile.x,
+                  w.at.v + 0.5 - tile.y - logical.height / 2.0);
+    pango_cairo_show_layout(context.get(), layout);
+  }
+  return cover;
+}
+
+// What the outline covers: the words, moved by its width into every direction. To stroke the paths
+// of the letters instead takes milliseconds, in which a camera's next frame is due.
+CairoSurface outline_of(const CairoSurface& words, const OverlayTile& tile, double width) {
+  constexpr int kDirections = 8;
+  CairoSurface outline(cairo_image_surface_create(CAIRO_FORMAT_A8, tile.width, tile.height));
+  const CairoContext context(cairo_create(outline.get()));
+  cairo_set_operator(context.get(), CAIRO_OPERATOR_ADD);
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kDirections;
+    // Whole pixels, which pixman adds many at a time.
+    cairo_set_source_surface(context.get(), words.get(), std::round(width * std::cos(angle)),
+                             std::round(width * std::sin(angle)));
+    cairo_paint(context.get());
+  }
+  return outline;
 }
 
 }  // namespace
@@ -83,7 +102,12 @@ const OverlayTile* PanelWords::draw(std::vector<OverlayWords> words, ImageSize f
       tile_.pixels.data(), CAIRO_FORMAT_ARGB32, tile_.width, tile_.height, 4 * tile_.width));
   const CairoContext context(cairo_create(surface.get()));
   if (!painter_) painter_ = std::make_unique<TextPainter>();
-  for (const OverlayWords& w : words_) draw_line(context.get(), *painter_, w, tile_);
+  const CairoSurface cover = cover_of(*painter_, words_, tile_);
+  const CairoSurface outline = outline_of(cover, tile_, words_.front().size / 10);
+  cairo_set_source_rgba(context.get(), 0, 0, 0, 0.75);
+  cairo_mask_surface(context.get(), outline.get(), 0, 0);
+  cairo_set_source_rgb(context.get(), 1, 1, 1);
+  cairo_mask_surface(context.get(), cover.get(), 0, 0);
   cairo_surface_finish(surface.get());
   return &tile_;
 }

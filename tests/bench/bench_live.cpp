@@ -16,7 +16,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <mutex>
+#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,29 +33,54 @@ constexpr double kRate = 60;  // frames per s
 constexpr const char* kCamera =
     "v4l2src name=camera ! video/x-raw,format=NV12,width=1920,height=1080,framerate=60/1 ! ";
 
+// What the kernel's scheduler says of the thread that calls, in frames.
+struct ThreadTime {
+  double ran = 0;
+  double waited = 0;  // ready to run, while other threads had the cores
+
+  static ThreadTime now() {
+    ThreadTime time;
+    std::ifstream("/proc/thread-self/schedstat") >> time.ran >> time.waited;  // ns
+    time.ran *= kRate / 1e9;
+    time.waited *= kRate / 1e9;
+    return time;
+  }
+};
+
+// Where the time of one frame went, in frames.
+struct Latency {
+  double all = 0;     // from the capture to the sink
+  double before = 0;  // of it, until the frame left the camera's element
+  double ran = 0;     // the streaming thread, from there on
+  double waited = 0;  // the streaming thread for a core, from there on
+
+  [[nodiscard]] double asleep() const { return all - before - ran - waited; }
+};
+
 // What passed a pipeline since it was asked the last time. Written by the streaming thread.
 class Frames {
  public:
   struct Count {
-    std::uint64_t left = 0;       // the camera
-    std::uint64_t lost = 0;       // numbers that are missing in the camera's sequence
-    std::vector<double> latency;  // frames, from the capture to the sink, of those that arrived
+    std::uint64_t left = 0;          // the camera
+    std::uint64_t lost = 0;          // numbers that are missing in the camera's sequence
+    std::vector<Latency> latencies;  // of the frames that arrived
   };
 
-  void leave(const GstBuffer* buffer) {
+  void leave(GstElement* camera, const GstBuffer* buffer) {
     const std::lock_guard guard(lock_);
     const std::uint64_t number = GST_BUFFER_OFFSET(buffer);
     // v4l2src of GStreamer 1.22 numbers the second frame of a stream 2.
     if (seen_++ > 1) count_.lost += number - last_ - 1;
     last_ = number;
     ++count_.left;
+    before_ = age(camera, buffer);
+    begin_ = ThreadTime::now();
   }
   void arrive(GstElement* sink, const GstBuffer* buffer) {
-    g_autoptr(GstClock) clock = gst_element_get_clock(sink);
-    const GstClockTime now = gst_clock_get_time(clock) - gst_element_get_base_time(sink);
-    const auto late = GST_CLOCK_DIFF(GST_BUFFER_PTS(buffer), now);
     const std::lock_guard guard(lock_);
-    count_.latency.push_back(static_cast<double>(late) * kRate / GST_SECOND);
+    const ThreadTime end = ThreadTime::now();
+    count_.latencies.push_back(
+        {age(sink, buffer), before_, end.ran - begin_.ran, end.waited - begin_.waited});
   }
   Count take() {
     const std::lock_guard guard(lock_);
@@ -61,9 +88,18 @@ class Frames {
   }
 
  private:
+  // Frames since the capture.
+  static double age(GstElement* element, const GstBuffer* buffer) {
+    g_autoptr(GstClock) clock = gst_element_get_clock(element);
+    const GstClockTime now = gst_clock_get_time(clock) - gst_element_get_base_time(element);
+    return static_cast<double>(GST_CLOCK_DIFF(GST_BUFFER_PTS(buffer), now)) * kRate / GST_SECOND;
+  }
+
   std::mutex lock_;
   std::uint64_t seen_ = 0;
   std::uint64_t last_ = 0;
+  double before_ = 0;
+  ThreadTime begin_;
   Count count_;
 };
 
@@ -101,19 +137,20 @@ double resident_mb() {
   return static_cast<double>(pages * ::sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
-double quantile(std::vector<double>& values, double part) {
-  if (values.empty()) return 0;
+Latency quantile(std::vector<Latency>& values, double part, double Latency::*of = &Latency::all) {
+  if (values.empty()) return {};
   const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
+  std::ranges::nth_element(values, values.begin() + at, {}, of);
   return values[static_cast<std::size_t>(at)];
 }
 
 void print_row(const char* name, Frames::Count& frames, double cores, double others, double steal) {
-  std::printf("| %s | %llu | %llu | %.2f, %.2f, %.2f | %.2f | %.2f | %.1f %% | %.1f MB |\n", name,
-              static_cast<unsigned long long>(frames.left),
-              static_cast<unsigned long long>(frames.lost), quantile(frames.latency, 0.5),
-              quantile(frames.latency, 0.99), quantile(frames.latency, 1), cores, others, steal,
-              resident_mb());
+  std::vector<Latency>& latencies = frames.latencies;
+  std::printf("| %s | %llu | %llu | %.2f, %.2f, %.2f | %.2f | %.2f | %.2f | %.1f %% | %.1f MB |\n",
+              name, static_cast<unsigned long long>(frames.left),
+              static_cast<unsigned long long>(frames.lost), quantile(latencies, 0.5).all,
+              quantile(latencies, 0.99).all, quantile(latencies, 1).all,
+              quantile(latencies, 1, &Latency::ran).ran, cores, others, steal, resident_mb());
   std::fflush(stdout);
 }
 
@@ -125,8 +162,9 @@ class Live {
     pipeline_ = gst_parse_launch((kCamera + line).c_str(), &error);
     if (error != nullptr) give_up(error->message);
     bus_ = gst_element_get_bus(pipeline_);
-    probe("camera", "src", [](GstPad*, GstPadProbeInfo* info, gpointer data) {
-      static_cast<Live*>(data)->frames_.leave(GST_PAD_PROBE_INFO_BUFFER(info));
+    probe("camera", "src", [](GstPad* pad, GstPadProbeInfo* info, gpointer data) {
+      g_autoptr(GstElement) camera = gst_pad_get_parent_element(pad);
+      static_cast<Live*>(data)->frames_.leave(camera, GST_PAD_PROBE_INFO_BUFFER(info));
       return GST_PAD_PROBE_OK;
     });
     probe("sink", "sink", [](GstPad* pad, GstPadProbeInfo* info, gpointer data) {
@@ -156,12 +194,13 @@ class Live {
       Frames::Count now = frames_.take();
       all.left += now.left;
       all.lost += now.lost;
-      all.latency.insert(all.latency.end(), now.latency.begin(), now.latency.end());
+      all.latencies.insert(all.latencies.end(), now.latencies.begin(), now.latencies.end());
       const Spent spent = Spent::now();
       print(std::to_string(std::lround(passed + interval)) + " s", now, last, spent);
       last = spent;
     }
     print("all", all, begin, last);
+    print_latest(all);
   }
   [[nodiscard]] int views() const { return views_; }
   [[nodiscard]] int results() const { return results_; }
@@ -185,6 +224,18 @@ class Live {
     print_row(name.c_str(), frames, own / seconds,
               std::max(0.0, to.busy - from.busy - own) / seconds,
               100 * (to.steal - from.steal) / (seconds * cores));
+  }
+  // Where the time of the frames went that took the longest.
+  static void print_latest(Frames::Count& frames) {
+    constexpr std::ptrdiff_t kLatest = 5;
+    auto& latencies = frames.latencies;
+    std::ranges::sort(latencies, std::ranges::greater(), &Latency::all);
+    for (const Latency& l : latencies | std::views::take(kLatest)) {
+      std::printf(
+          "  %.2f frames: %.2f before the camera's element gave it, %.2f of work, %.2f "
+          "waiting for a core, %.2f asleep\n",
+          l.all, l.before, l.ran, l.waited, l.asleep());
+    }
   }
   // Takes messages off the bus for so many s.
   void listen(double seconds) {
@@ -219,8 +270,8 @@ class Live {
 
 void print_head(const char* what) {
   std::printf(
-      "\n%s\n| | frames | lost | latency in frames: median, 99 %%, longest | cores | others' "
-      "cores | steal | resident |\n|---|---|---|---|---|---|---|---|\n",
+      "\n%s\n| | frames | lost | latency in frames: median, 99 %%, longest | of it work: most | "
+      "cores | others' cores | steal | resident |\n|---|---|---|---|---|---|---|---|---|\n",
       what);
 }
 

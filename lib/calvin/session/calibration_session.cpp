@@ -245,8 +245,8 @@ std::string CalibrationSession::camera_name() const {
 
 std::string_view CalibrationSession::limit_reached() const {
   if (!enough_views()) return {};
-  const bool good = plan_.settings.target_error > 0 && published_ && calibration_ &&
-                    is_good_enough(*calibration_, plan_.settings.target_error);
+  const bool good =
+      plan_.settings.target_error > 0 && published_ && calibration_ && is_good_enough_;
   if (good) return "target-error";
   return views_.full() && !exchanges_views() ? "max-views" : "";
 }

@@ -285,6 +285,8 @@ class CalibrationSession {
   // Asks for something else where a board that is brought to the target is lost on the way, or is
   // held where it tells little.
   void leave_stale_target(std::uint64_t now);
+  // After whatever may have changed the newest solution or what is asked of it.
+  void compare_with_target();
   // The setting that ends the capture with what is there, or nothing.
   [[nodiscard]] std::string_view limit_reached() const;
   // What is solved and written is not what the session wants any more.
@@ -375,6 +377,8 @@ class CalibrationSession {
 
   // What came of it.
   std::optional<Calibration> calibration_;       // newest solution
+  bool is_accurate_ = false;                     // of it: is_accurate(), which takes a while
+  bool is_good_enough_ = false;                  // likewise: is_good_enough()
   std::vector<GroupError> parameter_errors_;     // of it
   Misfit::Cause misfit_ = Misfit::Cause::kNone;  // likewise
   std::string solve_error_;

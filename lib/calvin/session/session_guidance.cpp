@@ -91,6 +91,12 @@ void CalibrationSession::guide_from(const View& view) {
   leads_ = true;
 }
 
+void CalibrationSession::compare_with_target() {
+  const double target = plan_.settings.target_error;
+  is_accurate_ = calibration_ && is_accurate(*calibration_, target);
+  is_good_enough_ = calibration_ && is_good_enough(*calibration_, target);
+}
+
 Progress CalibrationSession::progress() const {
   Progress now = views_.progress();
   now.hint = hint_text();
@@ -109,8 +115,7 @@ Progress CalibrationSession::progress() const {
     now.parameters =
         parameter_groups(parameter_errors_, wanted_error_anywhere(plan_.settings.target_error));
   }
-  now.done =
-      calibration_ && (finished_ || is_good_enough(*calibration_, plan_.settings.target_error));
+  now.done = calibration_ && (finished_ || is_good_enough_);
   if (now.done) now.summary = parameter_lines(*calibration_);
   return now;
 }
@@ -145,9 +150,7 @@ std::string CalibrationSession::hint_text() const {
     return "The picture is blurred: focus the lens, or give it more light and a shorter exposure.";
   }
   // More views of the kind do not help where the views contradict what is solved.
-  const double target = plan_.settings.target_error;
-  const bool is_doubted = !finished_ && calibration_ && is_accurate(*calibration_, target) &&
-                          !is_good_enough(*calibration_, target);
+  const bool is_doubted = !finished_ && calibration_ && is_accurate_ && !is_good_enough_;
   if (is_doubted) return advice(misfit_);
   if (views_.views().empty()) return to_text(first_hint());
   const bool is_saved = !plan_.settings.location.empty() && writes_.is_written();
@@ -182,7 +185,7 @@ void CalibrationSession::renew_hint() {
     leads_ = false;
     return;
   }
-  if (guide_ && calibration_ && is_good_enough(*calibration_, plan_.settings.target_error)) {
+  if (guide_ && calibration_ && is_good_enough_) {
     hint_ = {HintKind::kGood};
     leads_ = false;
     return;

@@ -62,6 +62,7 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
                                                     std::vector<GroupError> errors) {
   if (!is_current(job.origin)) return std::nullopt;
   calibration_ = solution.calibration;
+  compare_with_target();
   parameter_errors_ = std::move(errors);
   misfit_ = solution.misfit.cause;
   if (auto doubt = views_.readout_doubt()) calibration_->remarks.push_back(*std::move(doubt));

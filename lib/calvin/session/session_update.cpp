@@ -67,6 +67,7 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
                             points_text(plan_.settings.points, plan_.settings.board);
   const bool other_files = names_other_files(plan.settings, plan_.settings);
   plan_ = std::move(plan);
+  compare_with_target();
   views_.set_options(plan_.session_options(live_));
   if (views_.options().mode != CaptureMode::kAuto) guide_.reset();
   std::optional<Error> warning;

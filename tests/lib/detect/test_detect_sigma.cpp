@@ -322,7 +322,14 @@ INSTANTIATE_TEST_SUITE_P(
         Kind{.name = "UnevenBlur", .light = uneven_blur, .least = 0.4, .bias = kBiasOfBlur},
         Kind{.name = "Smear", .most_tilt = 10, .light = smear, .least = 0.4, .upright = true},
         Kind{.name = "Grain", .grain = 1.2}, Kind{.name = "Fisheye", .model = "fisheye"},
-        Kind{.name = "FisheyeSteep", .least_tilt = 45, .most_tilt = 60, .model = "fisheye"}),
+        Kind{.name = "FisheyeSteep", .least_tilt = 45, .most_tilt = 60, .model = "fisheye"},
+        // The lens bends the board more than a surface through its corners follows.
+        Kind{.name = "FisheyeLarge",
+             .most_tilt = 45,
+             .options = {.noise = 12, .blur = 1},
+             .model = "fisheye",
+             .least = 0.4,
+             .most = 0.8}),
     [](const auto& test) { return std::string(test.param.name); });
 
 // Of all corners, and of those whose squares are coloured one way or the other.

@@ -159,6 +159,7 @@ TEST_P(Operators, WhoFollowHintsAreMoreExact) {
       kept_anywhere += known.error <= 2 * known.calibration.expected_error_anywhere.value() ? 1 : 0;
     }
     const double ratio = median(with) / median(without);
+    RecordProperty("error_" + std::to_string(views), std::to_string(median(with)));
     RecordProperty("ratio_" + std::to_string(views), std::to_string(ratio));
     // Of a few sessions no more can be asked than that those with hints are the better ones.
     EXPECT_LT(ratio, scenes::full_count() ? 0.65 : 1.0)

@@ -303,24 +303,28 @@ std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flatten
 float scatter(const Lattice& lattice, ImageSize image) {
   constexpr int kFewestNodes = 15;
   constexpr double kMost = 10;     // no larger ratio is reported
-  constexpr double kLikely = 1.1;  // up to this, a wide lens need not be looked for
   constexpr double kUsual = 1.25;  // up to this, the surface is believed whatever differences say
   // How many times smaller the ratio by differences may be by chance than that by the surface. A
   // board of 9x6 has about six independent differences: one board in two hundred gets a third. On a
-  // strongly bent board the wide lens is the likelier reason from 1.7 on.
+  // strongly bent board what the lens does beside the model is the likelier reason from there on.
   constexpr double kByChance = 3;
-  constexpr double kBeforeAWideLens = 1.7;
+  constexpr double kBeforeAWideLens = 2.3;
+  // Noise is the least that an error can be: what differences tell below that is chance.
+  constexpr double kLeastByDifferences = 0.9;
   if (lattice.count() < kFewestNodes) return 1;
   const Flattened flat(lattice, {});
   double ratio = ratio_by(lattice, flat);
-  const auto beside = ratio_beside_surface(lattice, flat);
+  auto beside = ratio_beside_surface(lattice, flat);
   const bool wide = flat.is_strongly_bent();
-  if (beside && *beside < std::max(kUsual, (wide ? kBeforeAWideLens : kByChance) * ratio)) {
-    return static_cast<float>(std::min(*beside, kMost));
+  if (wide && !(beside && *beside < kUsual)) {
+    // What a wide lens does to the board is not error, and may be more than the surface follows.
+    const Flattened straight(lattice, lens_of(lattice, image));
+    ratio = std::min(ratio, ratio_by(lattice, straight));
+    if (beside) beside = std::min(*beside, *ratio_beside_surface(lattice, straight));
   }
-  if (ratio > kLikely && wide) {
-    ratio = std::min(ratio, ratio_by(lattice, Flattened(lattice, lens_of(lattice, image))));
-  }
+  ratio = std::max(ratio, kLeastByDifferences);
+  if (beside && *beside < std::max(kUsual, (wide ? kBeforeAWideLens : kByChance) * ratio))
+    ratio = *beside;
   return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);
 }
 

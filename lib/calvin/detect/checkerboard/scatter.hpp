@@ -19,8 +19,10 @@ namespace calvin::detect {
 //                distances of the corners from a homography. Uses all corners, and so is preferred;
 //                fails where corners are few or a wide lens bends the board more.
 //   differences  mixed differences of the same distances over six corners by five, or five by four
-//                (over five by three a wide lens still shows). For a wide lens, the image is first
-//                straightened by the one-parameter model that makes the board most like a plane.
+//                (over five by three a wide lens still shows). So few of them are independent that
+//                a ratio well below 1 is chance, and is not told.
+// Before a wide lens, the image is first straightened by the one-parameter model that makes the
+// board most like a plane.
 [[nodiscard]] float scatter(const Lattice& lattice, ImageSize image);
 
 }  // namespace calvin::detect
