@@ -298,17 +298,33 @@ std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flatten
   return std::sqrt(std::max(left, 0.0) / (2.0 * (lattice.count() - kTerms)));
 }
 
+double mean_sigma(const Lattice& lattice) {
+  double sum = 0;
+  lattice.for_each([&](Cell /*c*/, const Node& node) { sum += static_cast<double>(node.sigma); });
+  return sum / lattice.count();
+}
+
+// Whether the ratio by the surface is one of errors, and not of what the lens leaves beside the
+// surface. `beyond` px are the errors by it, where a wide lens bends the board strongly.
+bool is_believable(double by_surface, double by_differences, std::optional<double> beyond) {
+  constexpr double kUsual = 1.25;  // up to this, whatever differences say
+  // How many times smaller the ratio by differences may be by chance than that by the surface. A
+  // board of 9x6 has about six independent differences: one board in two hundred gets a third.
+  constexpr double kByChance = 3;
+  // Where it may be the lens, that is the likelier reason from 1.7 on.
+  constexpr double kBeforeAWideLens = 1.7;
+  constexpr double kOfLens = 0.015;  // px
+  const bool may_be_lens = beyond && *beyond < kOfLens;
+  return by_surface <
+         std::max(kUsual, (may_be_lens ? kBeforeAWideLens : kByChance) * by_differences);
+}
+
 }  // namespace
 
 float scatter(const Lattice& lattice, ImageSize image) {
   constexpr int kFewestNodes = 15;
   constexpr double kMost = 10;     // no larger ratio is reported
-  constexpr double kUsual = 1.25;  // up to this, the surface is believed whatever differences say
-  // How many times smaller the ratio by differences may be by chance than that by the surface. A
-  // board of 9x6 has about six independent differences: one board in two hundred gets a third. On a
-  // strongly bent board what the lens does beside the model is the likelier reason from there on.
-  constexpr double kByChance = 3;
-  constexpr double kBeforeAWideLens = 2.3;
+  constexpr double kLikely = 1.1;  // up to this, a wide lens need not be looked for
   // Noise is the least that an error can be: what differences tell below that is chance.
   constexpr double kLeastByDifferences = 0.9;
   if (lattice.count() < kFewestNodes) return 1;
@@ -316,15 +332,15 @@ float scatter(const Lattice& lattice, ImageSize image) {
   double ratio = ratio_by(lattice, flat);
   auto beside = ratio_beside_surface(lattice, flat);
   const bool wide = flat.is_strongly_bent();
-  if (wide && !(beside && *beside < kUsual)) {
+  if (wide && beside.value_or(ratio) > kLikely) {
     // What a wide lens does to the board is not error, and may be more than the surface follows.
     const Flattened straight(lattice, lens_of(lattice, image));
     ratio = std::min(ratio, ratio_by(lattice, straight));
     if (beside) beside = std::min(*beside, *ratio_beside_surface(lattice, straight));
   }
-  ratio = std::max(ratio, kLeastByDifferences);
-  if (beside && *beside < std::max(kUsual, (wide ? kBeforeAWideLens : kByChance) * ratio))
-    ratio = *beside;
+  const auto beyond = wide && beside ? std::optional(*beside * mean_sigma(lattice)) : std::nullopt;
+  const bool believed = beside && is_believable(*beside, ratio, beyond);
+  ratio = believed ? *beside : std::max(ratio, kLeastByDifferences);
   return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);
 }
 
