@@ -230,10 +230,13 @@ class Live {
     constexpr std::ptrdiff_t kLatest = 5;
     auto& latencies = frames.latencies;
     std::ranges::sort(latencies, std::ranges::greater(), &Latency::all);
+    const auto late = std::ranges::count_if(
+        latencies, [](double all) { return all > 1; }, &Latency::all);
+    std::printf("  later than one frame: %td of %zu\n", late, latencies.size());
     for (const Latency& l : latencies | std::views::take(kLatest)) {
       std::printf(
           "  %.2f frames: %.2f before the camera's element gave it, %.2f of work, %.2f "
-          "waiting for a core, %.2f asleep\n",
+          "waiting for a core, %.2f asleep or taken by the host\n",
           l.all, l.before, l.ran, l.waited, l.asleep());
     }
   }
