@@ -245,8 +245,7 @@ std::string CalibrationSession::camera_name() const {
 
 std::string_view CalibrationSession::limit_reached() const {
   if (!enough_views()) return {};
-  const bool good =
-      plan_.settings.target_error > 0 && published_ && calibration_ && is_good_enough_;
+  const bool good = plan_.settings.target_error > 0 && published_ && is_good_enough_;
   if (good) return "target-error";
   return views_.full() && !exchanges_views() ? "max-views" : "";
 }
@@ -301,6 +300,7 @@ void CalibrationSession::begin_session() {
   views_.reset();
   taken_.clear();
   calibration_.reset();
+  compare_with_target();
   announcement_.reset();
   published_ = finished_ = complained_ = false;
   asked_ = final_owed_ = solve_waits_ = false;
@@ -376,6 +376,7 @@ void CalibrationSession::views_changed() {
     ask(finished_);
   } else {
     calibration_.reset();
+    compare_with_target();
     solve_error_.clear();
   }
   renew_hint();

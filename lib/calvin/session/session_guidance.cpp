@@ -150,7 +150,7 @@ std::string CalibrationSession::hint_text() const {
     return "The picture is blurred: focus the lens, or give it more light and a shorter exposure.";
   }
   // More views of the kind do not help where the views contradict what is solved.
-  const bool is_doubted = !finished_ && calibration_ && is_accurate_ && !is_good_enough_;
+  const bool is_doubted = !finished_ && is_accurate_ && !is_good_enough_;
   if (is_doubted) return advice(misfit_);
   if (views_.views().empty()) return to_text(first_hint());
   const bool is_saved = !plan_.settings.location.empty() && writes_.is_written();
@@ -185,7 +185,7 @@ void CalibrationSession::renew_hint() {
     leads_ = false;
     return;
   }
-  if (guide_ && calibration_ && is_good_enough_) {
+  if (guide_ && is_good_enough_) {
     hint_ = {HintKind::kGood};
     leads_ = false;
     return;

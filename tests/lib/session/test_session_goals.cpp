@@ -18,7 +18,7 @@ class SessionGoals : public CalibrationSessions {
  protected:
   // What a new session with target-error=0.2 has reached with a result that is exact to 0.1 px
   // where corners were seen, and otherwise as `change` makes it.
-  std::string_view reached_by(const std::function<void(Calibration&)>& change) {
+  std::string_view reached_by(const std::function<void(Solution&)>& change) {
     session_ = CalibrationSession();
     settings_ = {};
     SessionSettings settings;
@@ -27,7 +27,7 @@ class SessionGoals : public CalibrationSessions {
     show(3);
     const auto job = session_.take_solve();
     Solution solution = found(*job, 0.1);
-    change(solution.calibration);
+    change(solution);
     const auto published = session_.solved(*job, solution);
     EXPECT_TRUE(published.has_value());
     return published ? published->reached : "none";
@@ -45,9 +45,9 @@ TEST_F(SessionGoals, AreNotCompleteWithACornerOfThePicture) {
   };
   for (const Case& c : {Case{50, middle, ""}, Case{1.01, middle, ""},
                         Case{0.99, middle, "target-error"}, Case{50, most, "target-error"}}) {
-    const auto like_that = [&](Calibration& calibration) {
-      calibration.expected_error_anywhere = c.anywhere;
-      calibration.covered = c.covered;
+    const auto like_that = [&](Solution& solution) {
+      solution.calibration.expected_error_anywhere = c.anywhere;
+      solution.calibration.covered = c.covered;
     };
     EXPECT_EQ(reached_by(like_that), c.reached) << c.anywhere;
   }
@@ -73,7 +73,8 @@ TEST_F(SessionGoals, AreCompleteWithAPictureThatIsRound) {
     std::string_view reached;
   };
   for (const Case& c : {Case{420, 5, "target-error"}, Case{390, 5, ""}, Case{420, 50, ""}}) {
-    const auto like_that = [&](Calibration& calibration) {
+    const auto like_that = [&](Solution& solution) {
+      Calibration& calibration = solution.calibration;
       calibration.model = round.model;
       calibration.parameters = round.parameters;
       calibration.expected_error_anywhere = c.anywhere;
@@ -84,16 +85,12 @@ TEST_F(SessionGoals, AreCompleteWithAPictureThatIsRound) {
 }
 
 // More views of the kind help nobody whose board bends: the words say what does.
-TEST_F(CalibrationSessions, AreNotCompleteWhereSomethingSpeaksAgainstTheResult) {
-  SessionSettings settings;
-  settings.target_error = 0.2;
-  begin(settings);
-  show(3);
-  const auto job = session_.take_solve();
-  Solution solution = found(*job, 0.1);
-  solution.misfit.cause = Misfit::Cause::kBoard;
-  solution.calibration.misfit = "board";
-  EXPECT_EQ(session_.solved(*job, solution)->reached, "");
+TEST_F(SessionGoals, AreNotCompleteWhereSomethingSpeaksAgainstTheResult) {
+  const auto bent = [](Solution& solution) {
+    solution.misfit.cause = Misfit::Cause::kBoard;
+    solution.calibration.misfit = "board";
+  };
+  EXPECT_EQ(reached_by(bent), "");
   EXPECT_FALSE(session_.progress().done);
   EXPECT_EQ(session_.progress().hint, advice(Misfit::Cause::kBoard));
   // Once a result agrees with its views, it counts.

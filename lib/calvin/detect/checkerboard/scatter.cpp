@@ -305,8 +305,9 @@ double mean_sigma(const Lattice& lattice) {
 }
 
 // Whether the ratio by the surface is one of errors, and not of what the lens leaves beside the
-// surface. `beyond` px are the errors by it, where a wide lens bends the board strongly.
-bool is_believable(double by_surface, double by_differences, std::optional<double> beyond) {
+// surface. `error`: of a corner by the surface, px, where a wide lens bends the board strongly;
+// absent before any other.
+bool is_believable(double by_surface, double by_differences, std::optional<double> error) {
   constexpr double kUsual = 1.25;  // up to this, whatever differences say
   // How many times smaller the ratio by differences may be by chance than that by the surface. A
   // board of 9x6 has about six independent differences: one board in two hundred gets a third.
@@ -314,7 +315,7 @@ bool is_believable(double by_surface, double by_differences, std::optional<doubl
   // Where it may be the lens, that is the likelier reason from 1.7 on.
   constexpr double kBeforeAWideLens = 1.7;
   constexpr double kOfLens = 0.015;  // px
-  const bool may_be_lens = beyond && *beyond < kOfLens;
+  const bool may_be_lens = error && *error < kOfLens;
   return by_surface <
          std::max(kUsual, (may_be_lens ? kBeforeAWideLens : kByChance) * by_differences);
 }
@@ -338,8 +339,8 @@ float scatter(const Lattice& lattice, ImageSize image) {
     ratio = std::min(ratio, ratio_by(lattice, straight));
     if (beside) beside = std::min(*beside, *ratio_beside_surface(lattice, straight));
   }
-  const auto beyond = wide && beside ? std::optional(*beside * mean_sigma(lattice)) : std::nullopt;
-  const bool believed = beside && is_believable(*beside, ratio, beyond);
+  const auto error = wide && beside ? std::optional(*beside * mean_sigma(lattice)) : std::nullopt;
+  const bool believed = beside && is_believable(*beside, ratio, error);
   ratio = believed ? *beside : std::max(ratio, kLeastByDifferences);
   return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);
 }
