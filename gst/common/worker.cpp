@@ -6,6 +6,7 @@
 #include "common/worker.hpp"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -68,6 +69,14 @@ class RunningWorkers {
   };
 };
 
+// Of the calling thread alone, as Linux has it. At ten steps a thread that is ready to run takes
+// the core from this one at once, and where others want all cores a tenth of one is left to it.
+void lower_priority() {
+  constexpr int kSteps = 10;
+  // What comes back may be -1 without an error, and a thread that is as low as it gets stays so.
+  [[maybe_unused]] const int now = ::nice(kSteps);
+}
+
 }  // namespace
 
 struct Worker::State {
@@ -86,6 +95,7 @@ struct Worker::State {
   bool busy = false;
   bool reporting = false;
   bool cancelled = true;
+  bool gives_way = false;
   bool quit = false;
   bool alive = false;  // the thread has not left run() yet
 };
@@ -106,6 +116,7 @@ Status Worker::start() {
     const std::lock_guard guard(s.lock);
     s.quit = false;
     s.cancelled = false;
+    s.gives_way = false;
     if (std::exchange(s.alive, true)) return {};  // still at an old job, and good for new ones
   }
   try {
@@ -125,6 +136,12 @@ Status Worker::start() {
   }
   RunningWorkers::add(this);
   return {};
+}
+
+void Worker::give_way() {
+  State& s = state();
+  const std::lock_guard guard(s.lock);
+  s.gives_way = true;
 }
 
 bool Worker::idle() {
@@ -225,13 +242,16 @@ void Worker::stop_at_exit() {
 void Worker::run(State& s) {
   std::unique_lock guard(s.lock);
   s.runner = std::this_thread::get_id();
+  bool is_low = false;
   for (;;) {
     s.changed.wait(guard, [&s] { return s.quit || s.waiting; });
     if (s.quit) break;
     Job job = std::exchange(s.waiting, nullptr);
     s.running = std::stop_source();
     s.busy = true;
+    const bool lowers = s.gives_way && !std::exchange(is_low, true);
     guard.unlock();
+    if (lowers) lower_priority();
     job(s.running.get_token());
     job = nullptr;  // with all that it holds, before anybody is woken
     RunningWorkers::stop_at_exit();

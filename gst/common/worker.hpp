@@ -55,6 +55,11 @@ class Worker {
   // An error where the system has no thread for it; then no job is taken.
   [[nodiscard]] Status start();
 
+  // For a live stream: from the next job on the thread takes no core from a streaming thread that
+  // wants one. Until the next start(): a priority cannot be raised again by everybody, so that a
+  // thread which is still at an old job by then keeps its own.
+  void give_way();
+
   // Whether a job that is offered now begins at once.
   [[nodiscard]] bool idle();
 

@@ -179,6 +179,7 @@ void CalibDetector::choose_mode(bool live) {
   const DetectMode mode = settings().mode;
   mode_known_ = true;
   async_ = mode == kModeAsync || (mode == kModeAuto && live);
+  if (async_) worker_.give_way();
   GST_INFO_OBJECT(element_, "the streaming thread %s", async_ ? "does not wait" : "waits");
 }
 

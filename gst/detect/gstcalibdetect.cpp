@@ -67,7 +67,8 @@ static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstB
     return GST_FLOW_NOT_NEGOTIATED;
   }
   // Asked once after each CAPS: only then does a live source know that it is one.
-  if (!detector.mode_known()) detector.choose_mode(gst::upstream_is_live(trans));
+  if (!detector.mode_known())
+    detector.choose_mode(gst::upstream_is_live(GST_BASE_TRANSFORM_SINK_PAD(trans)));
   const auto earlier = detector.take_waiting();
   if (earlier) gst_calib_detect_attach(buffer, *earlier);
   const auto found = detector.look(buffer, gst::frame_times(&trans->segment, buffer));

@@ -31,6 +31,7 @@
 #include "common/calibration_event.hpp"
 #include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
+#include "common/frames/meta_filter.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
 #include "common/rig_event.hpp"
@@ -193,6 +194,7 @@ static void gst_calib_rig_set_format(GstCalibRig* self, GstPad* pad, GstEvent* e
   GstVideoInfo info;
   if (!gst::video_info_of(info, caps)) return;
   gst::stream_of(pad).corners.set_format(info);
+  if (gst::upstream_says_live(pad).value_or(false)) self->solver->give_way();
   self->solver->set_size(gst::camera_of(pad),
                          {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
 }

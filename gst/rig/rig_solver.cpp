@@ -97,6 +97,11 @@ Status RigSolver::start() {
   return {};
 }
 
+void RigSolver::give_way() {
+  worker_.give_way();
+  watcher_.give_way();
+}
+
 Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settings) {
   std::optional<Calibration> intrinsics;
   if (!settings.intrinsics.empty()) {

@@ -81,6 +81,9 @@ class RigSolver : public SharedSettings<RigSettings> {
     reader_.stop();
   }
 
+  // Cameras are live: their streams come before the solution. Until the next start().
+  void give_way();
+
   // Before there are frames. An error for intrinsics that cannot be read.
   [[nodiscard]] Status add_camera(std::size_t camera, const RigCameraSettings& settings);
   // While the others run: the file is read beside the stream, and a WARNING says where it cannot

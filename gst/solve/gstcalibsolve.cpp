@@ -149,7 +149,7 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   solver.frame_came();
   // Asked once after each CAPS: only then does a live source know that it is one.
   if (!std::exchange(self->state->mode_known, true)) {
-    solver.set_live(gst::upstream_is_live(trans));
+    solver.set_live(gst::upstream_is_live(GST_BASE_TRANSFORM_SINK_PAD(trans)));
   }
   solver.update();
   gst_calib_solve_want_patches(self);
@@ -186,7 +186,8 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   self->state->corners.set_format(info);
   self->state->set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
   self->state->set_frame_duration(gst_calib_solve_frame_duration(info));
-  if (gst::upstream_says_live(trans).value_or(false)) self->state->watch_stream(true);
+  if (gst::upstream_says_live(GST_BASE_TRANSFORM_SINK_PAD(trans)).value_or(false))
+    self->state->watch_stream(true);
   gst_calib_solve_want_patches(self);
   return TRUE;
 }

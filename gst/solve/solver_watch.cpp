@@ -71,6 +71,8 @@ void CalibSolver::watch_stream(bool live) {
     stream_runs_ = true;
   }
   if (!live) return;
+  worker_.give_way();
+  updater_.give_way();
   // A session goes on unwatched.
   if (const Status begun = begin_watch(); !begun) post_warning(element_, begun.error());
 }

@@ -127,7 +127,7 @@ void UndistortState::update() {
   Arrived arrived;
   const UndistortSettings now = take_settings(arrived);
   take_events(arrived);
-  if (!live) live = upstream_is_live(element);
+  if (!live) live = upstream_is_live(GST_BASE_TRANSFORM_SINK_PAD(element));
   distort = now.view.distort();
   const int serial = input.serial();
   const auto before = undistorter.current();

@@ -3,7 +3,12 @@
 
 // calibrate: the bin has what its children have, in any order of setting it up.
 
-#include "support.hpp"
+#include <dirent.h>
+#include <sys/resource.h>
+
+#include <cstdlib>
+
+#include "pipeline.hpp"
 
 #include <gst/check/gstcheck.h>
 
@@ -235,6 +240,33 @@ GST_START_TEST(test_the_end_without_a_calibration_tells_the_board_that_was_seen)
 }
 GST_END_TEST;
 
+// Threads of this process of a lower priority than the one that asks.
+static int low_threads() {
+  const int own = getpriority(PRIO_PROCESS, 0);
+  int n = 0;
+  DIR* tasks = opendir("/proc/self/task");
+  fail_unless(tasks != nullptr);
+  while (const dirent* task = readdir(tasks)) {
+    const int id = std::atoi(task->d_name);
+    if (id > 0 && getpriority(PRIO_PROCESS, static_cast<id_t>(id)) > own) ++n;
+  }
+  closedir(tasks);
+  return n;
+}
+
+// A live stream comes before the search and the solution. Where nothing is live it waits for them,
+// and they must not wait for other programs.
+GST_START_TEST(test_only_a_live_stream_comes_before_detector_and_solver) {
+  const bool live = __i__ == 1;
+  check::Pipeline pipeline(std::string("calibtestsrc is-live=") + (live ? "true" : "false") +
+                           " ! video/x-raw,width=320,height=240 ! calibrate capture-mode=all "
+                           "overlay=false board=checkerboard:9x6:25mm ! fakesink");
+  pipeline.set_state(GST_STATE_PLAYING);
+  pipeline.wait_for("calib-result");
+  fail_unless_equals_int(low_threads(), live ? 2 : 0);
+}
+GST_END_TEST;
+
 static Suite* calibrate_suite() {
   Suite* suite = suite_create("calibrate");
   TCase* tc = tcase_create("general");
@@ -251,6 +283,7 @@ static Suite* calibrate_suite() {
   tcase_add_test(tc, test_a_change_is_notified_once);
   tcase_add_test(tc, test_signals_and_state_cycles);
   tcase_add_test(tc, test_the_end_without_a_calibration_tells_the_board_that_was_seen);
+  tcase_add_loop_test(tc, test_only_a_live_stream_comes_before_detector_and_solver, 0, 2);
   return suite;
 }
 

@@ -3,6 +3,9 @@
 
 // The worker: newest job only, a drain that waits, a cancel that does not.
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -240,6 +243,28 @@ GST_START_TEST(test_at_exit_a_worker_does_not_wait_for_itself) {
 }
 GST_END_TEST;
 
+// Once, not ten steps with each job; and what is started again has the priority of its program.
+GST_START_TEST(test_what_gives_way_does_so_until_it_is_started_again) {
+  Worker worker;
+  const auto priority_of_a_job = [&worker] {
+    int now = 0;
+    worker.offer([&now](std::stop_token) { now = getpriority(PRIO_PROCESS, 0); });
+    fail_unless(worker.drain());
+    return now;
+  };
+  const int own = getpriority(PRIO_PROCESS, 0);
+  fail_unless(worker.start().has_value());
+  fail_unless_equals_int(priority_of_a_job(), own);
+  worker.give_way();
+  const int low = std::min(own + 10, 19);
+  for (int i = 0; i < 2; ++i) fail_unless_equals_int(priority_of_a_job(), low);
+  worker.join();
+  fail_unless(worker.start().has_value());
+  fail_unless_equals_int(priority_of_a_job(), own);
+  fail_unless_equals_int(getpriority(PRIO_PROCESS, 0), own);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_two_threads_may_join) {
   for (int i = 0; i < 200; ++i) {
     Worker worker;
@@ -266,6 +291,7 @@ static Suite* worker_suite() {
   tcase_add_test(tc, test_nobody_waits_for_a_report);
   tcase_add_test(tc, test_bins_stay_during_a_report_in_them);
   tcase_add_test(tc, test_at_exit_a_worker_does_not_wait_for_itself);
+  tcase_add_test(tc, test_what_gives_way_does_so_until_it_is_started_again);
   tcase_add_test(tc, test_two_threads_may_join);
   return suite;
 }

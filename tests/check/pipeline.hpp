@@ -100,6 +100,15 @@ class Pipeline {
       if (s != nullptr && gst_structure_has_name(s, name)) found.push_back(gst_structure_copy(s));
     }
   }
+  // Until an element says that; it goes on playing.
+  void wait_for(const char* name) {
+    for (;;) {
+      g_autoptr(GstMessage) message = gst_bus_timed_pop(bus_, 60 * GST_SECOND);
+      fail_unless(message != nullptr, "no %s", name);
+      fail_if(GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR);
+      if (gst_message_has_name(message, name)) return;
+    }
+  }
 
  private:
   GstElement* element_;

@@ -74,7 +74,7 @@ NEAR_FILES = {
     "gstcaliboverlay": "caliboverlay",
     "gstcalibrate": "calibrate",
     "calibration_input": "calibundistort* states",
-    "calib_detector": "calibdetect*",
+    "calib_detector": "calibdetect* calibrate",
     "calib_solver": "calibsolve*",
     "solver_jobs": "calibsolve*",
     "gstcalibrig": "calibrig*",

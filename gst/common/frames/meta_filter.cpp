@@ -97,14 +97,14 @@ void add_raw_video_pads(GstElementClass* element_class) {
       element_class, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));
 }
 
-std::optional<bool> upstream_says_live(GstBaseTransform* trans) {
+std::optional<bool> upstream_says_live(GstPad* sink) {
   g_autoptr(GstQuery) query = gst_query_new_latency();
-  if (!gst_pad_peer_query(GST_BASE_TRANSFORM_SINK_PAD(trans), query)) return std::nullopt;
+  if (!gst_pad_peer_query(sink, query)) return std::nullopt;
   gboolean live = FALSE;
   gst_query_parse_latency(query, &live, nullptr, nullptr);
   return live != FALSE;
 }
 
-bool upstream_is_live(GstBaseTransform* trans) { return upstream_says_live(trans).value_or(true); }
+bool upstream_is_live(GstPad* sink) { return upstream_says_live(sink).value_or(true); }
 
 }  // namespace calvin::gst

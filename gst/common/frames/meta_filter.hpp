@@ -37,12 +37,12 @@ void install_pixel_filter(GstBaseTransformClass* trans_class);
 // under a name that there is for it, on both pads.
 void add_raw_video_pads(GstElementClass* element_class);
 
-// What the LATENCY query upstream says of the source; absent where nobody answers. Streaming
-// thread.
-[[nodiscard]] std::optional<bool> upstream_says_live(GstBaseTransform* trans);
+// What the LATENCY query upstream of a sink pad says of the source; absent where nobody answers.
+// Streaming thread.
+[[nodiscard]] std::optional<bool> upstream_says_live(GstPad* sink);
 
 // True unless the LATENCY query upstream says that the source is not live: one that cannot answer
 // must not be held up. Streaming thread.
-[[nodiscard]] bool upstream_is_live(GstBaseTransform* trans);
+[[nodiscard]] bool upstream_is_live(GstPad* sink);
 
 }  // namespace calvin::gst
