@@ -10,8 +10,7 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
+#include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/linear/cholesky.hpp"
 #include "calvin/solve/linear/products.hpp"
@@ -80,6 +79,13 @@ std::optional<Matrix> without_pose(const double* products, std::size_t stride, i
   return left;
 }
 
+// R with R^T R = m for a symmetric m without negative eigenvalues, but for rounding.
+Result<Matrix> root_of(const Matrix& m) {
+  const auto eigen = symmetric_eigen(m);
+  if (!eigen) return make_error(ErrorCode::kInvalidArgument, "The camera projects to no numbers.");
+  return Matrix(eigen->values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen->vectors.transpose());
+}
+
 }  // namespace
 
 Result<ViewScorer> ViewScorer::make(const Camera& camera, const SolveOptions& options) {
@@ -99,7 +105,9 @@ Result<ViewScorer> ViewScorer::make(const Camera& camera, const SolveOptions& op
   const ProjectionGrid grid = projection_grid(camera, columns_of(unknowns));
   for (const auto& cell : grid) weight += cell.transpose().lazyProduct(cell);
   weight /= 2.0 * static_cast<double>(std::max<std::size_t>(grid.size(), 1));
-  scorer.weight_ = restrict_to(scorer.basis_, weight);
+  auto root = root_of(restrict_to(scorer.basis_, weight));
+  if (!root) return tl::unexpected<Error>(root.error());
+  scorer.weight_root_ = *std::move(root);
   return scorer;
 }
 
@@ -126,9 +134,21 @@ std::optional<Matrix> ViewScorer::information(const View& view,
   return restrict_to(basis_, *information);
 }
 
+// The trace of F^T C F, where the weight is F F^T and the covariance C the inverse of L L^T, is the
+// sum of squares of L^-1 F. A factorisation that goes on through the rows of F^T gives them in its
+// last rows.
 double ViewScorer::variance(const Matrix& information) const {
-  const auto covariance = scaled_solve(information, weight_, 0);
-  return covariance ? covariance->trace() : HUGE_VAL;
+  const Eigen::Index n = information.cols();
+  Matrix l(n + weight_root_.rows(), n);
+  l << information, weight_root_;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    auto column = l.col(j).tail(l.rows() - j);
+    for (Eigen::Index k = 0; k < j; ++k) column -= l(j, k) * l.col(k).tail(l.rows() - j);
+    if (!(column[0] > 0) || !std::isfinite(column[0])) return HUGE_VAL;
+    column *= 1 / std::sqrt(column[0]);
+  }
+  const double variance = l.bottomRows(weight_root_.rows()).squaredNorm();
+  return std::isfinite(variance) ? variance : HUGE_VAL;
 }
 
 std::vector<std::size_t> most_informative(const ViewScorer& scorer, std::span<const Matrix> views,

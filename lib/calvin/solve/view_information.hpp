@@ -46,9 +46,10 @@ class ViewScorer {
   ViewScorer() = default;
 
   std::optional<Camera> camera_;
-  Eigen::MatrixXd basis_;   // intrinsics x directions
-  Eigen::MatrixXd prior_;   // directions x directions
-  Eigen::MatrixXd weight_;  // likewise, px^2: variance() is its trace with the covariance
+  Eigen::MatrixXd basis_;  // intrinsics x directions
+  Eigen::MatrixXd prior_;  // directions x directions
+  // F^T for the weight F F^T, px^2, whose trace with the covariance is variance().
+  Eigen::MatrixXd weight_root_;
 };
 
 // Which `count` of some views, by their information, make the variance small together: each in turn

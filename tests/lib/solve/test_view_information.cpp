@@ -12,6 +12,7 @@
 
 #include <Eigen/LU>
 
+#include "calvin/solve/difference.hpp"
 #include "calvin/solve/view_information.hpp"
 #include "scenes.hpp"
 
@@ -77,6 +78,67 @@ TEST(ViewInformation, IsTheSchurComplementOfThePose) {
           << model << ", pose " << i;
     }
   }
+}
+
+// The variance of projections when one parameter is known but for `sigma`, and all others exactly.
+double variance_of_one(const ViewScorer& scorer, Eigen::Index parameter, double sigma) {
+  Eigen::VectorXd known = 1e20 * scorer.prior().diagonal();
+  known[parameter] = 1 / (sigma * sigma);
+  return scorer.variance(known.asDiagonal());
+}
+
+// Half of the mean squared change of projections when that parameter is another by `step`.
+double change_by_one(const Camera& camera, std::size_t parameter, double step) {
+  std::vector<double> parameters = camera.parameters();
+  parameters[parameter] += step;
+  const Camera moved = Camera::make(camera.model(), camera.image_size(), parameters).value();
+  const double rms = difference(camera, moved).value().image.rms;
+  return rms * rms / 2;
+}
+
+// A grid of 65x49 pixels is held against one of far fewer, whose outermost weigh more.
+TEST(ViewInformation, TheVarianceIsThatOfTheProjections) {
+  for (const std::string_view model : {"pinhole", "brown4", "fisheye"}) {
+    scenes::Random random(11);
+    const Camera camera = scenes::random_camera(model, random);
+    const ViewScorer scorer = ViewScorer::make(camera, {}).value();
+    for (std::size_t i = 0; i < camera.parameters().size(); ++i) {
+      const double step = 1e-4 * std::max(1.0, camera.parameters()[i]);
+      const double found = variance_of_one(scorer, static_cast<Eigen::Index>(i), step);
+      const double expected = change_by_one(camera, i, step);
+      EXPECT_GT(found, 0.9 * expected) << model << ", parameter " << i;
+      EXPECT_LT(found, 1.4 * expected) << model << ", parameter " << i;
+    }
+  }
+}
+
+TEST(ViewInformation, VariancesAddAsCovariancesDo) {
+  scenes::Random random(12);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const ViewScorer scorer = ViewScorer::make(camera, {}).value();
+  std::vector<Eigen::MatrixXd> covariances;
+  Eigen::MatrixXd known = scorer.prior();
+  for (int i = 0; i < 2; ++i) {
+    const SE3 pose = scenes::random_pose(camera, scenes::kBoard, random, 0.6);
+    const View view = scenes::observe(camera, scenes::kBoard, pose, kNoise, random);
+    known += scorer.information(view, pose).value();
+    covariances.push_back(known.inverse());
+  }
+  const Eigen::MatrixXd both = covariances[0] + covariances[1];
+  const double expected =
+      scorer.variance(covariances[0].inverse()) + scorer.variance(covariances[1].inverse());
+  EXPECT_NEAR(scorer.variance(both.inverse()), expected, 1e-6 * expected);
+}
+
+TEST(ViewInformation, WhatLeavesADirectionOpenHasNoVariance) {
+  scenes::Random random(13);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const ViewScorer scorer = ViewScorer::make(camera, {}).value();
+  Eigen::MatrixXd known = scorer.prior();
+  known(0, 0) = 0;
+  EXPECT_EQ(scorer.variance(known), HUGE_VAL);
+  known(0, 0) = std::nan("");
+  EXPECT_EQ(scorer.variance(known), HUGE_VAL);
 }
 
 TEST(ViewInformation, HoldsWhatTheOptionsHold) {
