@@ -131,10 +131,10 @@ static void gst_calib_rig_take_points(GstCalibRig* self, GstPad* pad, GstBuffer*
   const std::size_t camera = gst::camera_of(pad);
   if (!self->solver->has_waiting_points(camera)) return;
   const gst::RigPadStream& stream = gst::stream_of(pad);
-  const gst::FrameLook frame = stream.corners.look(buffer);
+  const gst::FrameLook frame = stream.points.look(buffer);
   self->solver->take_waiting_points(
       camera, gst::frame_times(&stream.segment, buffer), shared_clock,
-      [&frame](Pixel at, double reach) { return frame.corner_at(at, reach); });
+      [&frame](Pixel at, double reach) { return frame.point_at(at, reach); });
 }
 
 static GstFlowReturn gst_calib_rig_chain(GstPad* pad, GstObject* parent, GstBuffer* buffer) {
@@ -193,7 +193,7 @@ static void gst_calib_rig_set_format(GstCalibRig* self, GstPad* pad, GstEvent* e
   gst_event_parse_caps(event, &caps);
   GstVideoInfo info;
   if (!gst::video_info_of(info, caps)) return;
-  gst::stream_of(pad).corners.set_format(info);
+  gst::stream_of(pad).points.set_format(info);
   if (gst::upstream_says_live(pad).value_or(false)) self->solver->give_way();
   self->solver->set_size(gst::camera_of(pad),
                          {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});

@@ -8,7 +8,7 @@
 
 #include <gst/gst.h>
 
-#include "common/frames/frame_corners.hpp"
+#include "common/frames/frame_points.hpp"
 #include "rig/rig_solver.hpp"
 
 G_DECLARE_FINAL_TYPE(GstCalibRigPad, gst_calib_rig_pad, GST, CALIB_RIG_PAD, GstPad)
@@ -34,7 +34,7 @@ struct RigPadStream {
   guint64 rig_number = 0;  // of the rig that went downstream last
   bool at_end = false;     // under the object lock of the element
   bool is_known = false;   // the solver was told of the camera since it started
-  FrameCorners corners;
+  FramePoints points;
 };
 [[nodiscard]] RigPadStream& stream_of(GstPad* pad);
 

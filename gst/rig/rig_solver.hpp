@@ -116,10 +116,10 @@ class RigSolver : public SharedSettings<RigSettings> {
   // On the streaming thread of the camera. `timestamp`: of the clock of all cameras.
   void set_size(std::size_t camera, ImageSize size);
   [[nodiscard]] bool has_waiting_points(std::size_t camera);
-  // `corner_at`: what is in the frame with these times within so many px of a pixel.
-  using CornerAt = std::function<std::optional<FoundCorner>(Pixel at, double reach)>;
+  // `point_at`: what is in the frame with these times within so many px of a pixel.
+  using PointAt = std::function<std::optional<FoundPoint>(Pixel at, double reach)>;
   void take_waiting_points(std::size_t camera, const FrameTimes& times, GstClockTime timestamp,
-                           const CornerAt& corner_at);
+                           const PointAt& point_at);
 
   // The rig as JSON where it is another one than that with the number `known`, which becomes its
   // own.

@@ -73,7 +73,7 @@ void RigSolver::set_size(std::size_t camera, ImageSize size) {
 }
 
 void RigSolver::take_waiting_points(std::size_t camera, const FrameTimes& times,
-                                    GstClockTime timestamp, const CornerAt& corner_at) {
+                                    GstClockTime timestamp, const PointAt& point_at) {
   std::vector<PointChoice> own;
   double reach = 0;
   {
@@ -86,11 +86,11 @@ void RigSolver::take_waiting_points(std::size_t camera, const FrameTimes& times,
                   [camera](const auto& waiting) { return waiting.first == camera; });
   }
   for (const PointChoice& choice : own) {
-    const auto corner = choice.sigma ? std::nullopt : corner_at(choice.at, reach);
+    const auto found = choice.sigma ? std::nullopt : point_at(choice.at, reach);
     PointAnswer answer;
     {
       const std::lock_guard guard(lock_);
-      answer = session_.add_point(camera, choice, corner, timestamp);
+      answer = session_.add_point(camera, choice, found, timestamp);
       times_ = times;
     }
     post_point(camera, times, answer);

@@ -94,11 +94,11 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // Absent: the newest one. Whether there was one.
   bool remove_point(std::optional<unsigned> index);
   // On the streaming thread: whether a frame is to be looked at for points.
-  [[nodiscard]] bool wants_corners();
-  // Those that wait for a frame, and some of those that are expected. `corner_at`: what is in the
+  [[nodiscard]] bool wants_points();
+  // Those that wait for a frame, and some of those that are expected. `point_at`: what is in the
   // frame with these times within so many px of a pixel.
-  using CornerAt = std::function<std::optional<FoundCorner>(Pixel at, double reach)>;
-  void take_points(const FrameTimes& times, const CornerAt& corner_at);
+  using PointAt = std::function<std::optional<FoundPoint>(Pixel at, double reach)>;
+  void take_points(const FrameTimes& times, const PointAt& point_at);
 
   // Native JSON of the newest solution, empty before the first one.
   [[nodiscard]] std::string calibration_json();
@@ -131,7 +131,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
     const std::lock_guard guard(lock_);
     return session_.has_points() || !waiting_points_.empty();
   }
-  void take_expected_points(const FrameTimes& times, const CornerAt& corner_at);
+  void take_expected_points(const FrameTimes& times, const PointAt& point_at);
   // Without the lock.
   void post_point(const FrameTimes& times, const PointAnswer& answer);
   void post_points_report();

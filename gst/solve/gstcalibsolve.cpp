@@ -27,7 +27,7 @@
 
 #include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
-#include "common/frames/frame_corners.hpp"
+#include "common/frames/frame_points.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
@@ -52,7 +52,7 @@ struct State : gst::CalibSolver {
   // Streaming thread.
   bool mode_known = false;
   bool patches_asked = false;
-  gst::FrameCorners corners;
+  gst::FramePoints points;
 };
 
 }  // namespace
@@ -137,10 +137,10 @@ static void gst_calib_solve_want_patches(GstCalibSolve* self) {
 // do those of the others that are expected by then: in small parts of the picture, each in less
 // than a millisecond.
 static void gst_calib_solve_take_points(GstCalibSolve* self, GstBuffer* buffer) {
-  if (!self->state->wants_corners()) return;
-  const gst::FrameLook frame = self->state->corners.look(buffer);
+  if (!self->state->wants_points()) return;
+  const gst::FrameLook frame = self->state->points.look(buffer);
   self->state->take_points(gst::frame_times(&GST_BASE_TRANSFORM(self)->segment, buffer),
-                           [&frame](Pixel at, double reach) { return frame.corner_at(at, reach); });
+                           [&frame](Pixel at, double reach) { return frame.point_at(at, reach); });
 }
 
 static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
@@ -183,7 +183,7 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   GstVideoInfo info;
   if (!gst::video_info_of(info, caps)) return FALSE;
   self->state->mode_known = self->state->patches_asked = false;
-  self->state->corners.set_format(info);
+  self->state->points.set_format(info);
   self->state->set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
   self->state->set_frame_duration(gst_calib_solve_frame_duration(info));
   if (gst::upstream_says_live(GST_BASE_TRANSFORM_SINK_PAD(trans)).value_or(false))

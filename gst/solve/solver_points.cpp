@@ -21,12 +21,12 @@ void CalibSolver::add_point(const PointChoice& choice) {
   if (waiting_points_.size() < kMostWaiting) waiting_points_.push_back(choice);
 }
 
-bool CalibSolver::wants_corners() {
+bool CalibSolver::wants_points() {
   const std::lock_guard guard(lock_);
   return !waiting_points_.empty() || session_.expects_points();
 }
 
-void CalibSolver::take_points(const FrameTimes& times, const CornerAt& corner_at) {
+void CalibSolver::take_points(const FrameTimes& times, const PointAt& point_at) {
   std::vector<PointChoice> waiting;
   double reach = 0;
   {
@@ -35,30 +35,30 @@ void CalibSolver::take_points(const FrameTimes& times, const CornerAt& corner_at
     reach = session_.point_reach();
   }
   for (const PointChoice& choice : waiting) {
-    const auto corner = choice.sigma ? std::nullopt : corner_at(choice.at, reach);
+    const auto found = choice.sigma ? std::nullopt : point_at(choice.at, reach);
     PointAnswer answer;
     {
       const std::lock_guard guard(lock_);
-      answer = session_.add_point(choice, corner, times);
+      answer = session_.add_point(choice, found, times);
       obey();
     }
     post_point(times, answer);
   }
-  take_expected_points(times, corner_at);
+  take_expected_points(times, point_at);
 }
 
 // A few with each frame: a live stream has a few milliseconds to spare.
-void CalibSolver::take_expected_points(const FrameTimes& times, const CornerAt& corner_at) {
+void CalibSolver::take_expected_points(const FrameTimes& times, const PointAt& point_at) {
   constexpr std::size_t kMost = 8;
   std::vector<ExpectedPoint> expected;
   {
     const std::lock_guard guard(lock_);
     expected = session_.take_expected_points(kMost);
   }
-  std::vector<std::pair<PointChoice, FoundCorner>> found;
+  std::vector<std::pair<PointChoice, FoundPoint>> found;
   for (const ExpectedPoint& point : expected) {
-    if (const auto corner = corner_at(point.choice.at, point.reach)) {
-      found.emplace_back(point.choice, *corner);
+    if (const auto near = point_at(point.choice.at, point.reach)) {
+      found.emplace_back(point.choice, *near);
     }
   }
   if (found.empty()) return;

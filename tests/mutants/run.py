@@ -42,7 +42,7 @@ TESTS = {
     "target": "board",
     "io": "io observations board_names light_io rig_io rig_formats opencv_stereo mrcal colmap caliscope "
     "zoom_io",
-    "detect": "detect",
+    "detect": "detect nearest",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
     "rig": "rig light solve_rig left_out solve_zooming strobl",
     "remap": "undistorter views remap rectification",

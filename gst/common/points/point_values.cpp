@@ -93,8 +93,9 @@ GstStructure* point_message(const FrameTimes& times, const std::string& camera,
   GstStructure* s = new_message("calib-point", times, camera);
   gst_structure_set(s, "accepted", G_TYPE_BOOLEAN, answer.accepted(), "reason", G_TYPE_STRING,
                     std::string(to_string(answer.verdict)).c_str(), "snapped", G_TYPE_BOOLEAN,
-                    answer.snapped, "points", G_TYPE_INT, static_cast<int>(answer.count), "hint",
-                    G_TYPE_STRING, displayed(answer.hint).c_str(), nullptr);
+                    answer.snapped.has_value(), "points", G_TYPE_INT,
+                    static_cast<int>(answer.count), "hint", G_TYPE_STRING,
+                    displayed(answer.hint).c_str(), nullptr);
   if (std::isfinite(answer.at.u) && std::isfinite(answer.at.v)) {
     gst_structure_set(s, "u", G_TYPE_DOUBLE, answer.at.u, "v", G_TYPE_DOUBLE, answer.at.v, nullptr);
   }

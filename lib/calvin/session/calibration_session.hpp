@@ -129,14 +129,14 @@ class CalibrationSession {
 
   // Whether a click chooses a point: of a file always, of a board while it is not found.
   [[nodiscard]] bool clicks_choose() const;
-  // `corner`: what is next to the pixel in a frame with these times, if it was looked for.
+  // `found`: what is next to the pixel in a frame with these times, if it was looked for.
   [[nodiscard]] PointAnswer add_point(const PointChoice& choice,
-                                      const std::optional<FoundCorner>& corner,
+                                      const std::optional<FoundPoint>& found,
                                       const FrameTimes& times);
   // The newest one, or that of a number.
   [[nodiscard]] PointAnswer remove_point(std::optional<std::size_t> index);
   [[nodiscard]] bool has_points() const noexcept { return points_.count() > 0; }
-  // How far from a click a corner is taken for it, px.
+  // How far from a click a corner or a disc is taken for it, px.
   [[nodiscard]] double point_reach() const { return snap_reach(size_); }
   // Whether take_expected_points() may have some.
   [[nodiscard]] bool expects_points() const noexcept { return expects_points_ && manual_view_; }
@@ -145,7 +145,7 @@ class CalibrationSession {
   [[nodiscard]] std::vector<ExpectedPoint> take_expected_points(std::size_t most);
   // What was found of them.
   [[nodiscard]] PointAnswer add_found_points(
-      const std::vector<std::pair<PointChoice, FoundCorner>>& points, const FrameTimes& times);
+      const std::vector<std::pair<PointChoice, FoundPoint>>& points, const FrameTimes& times);
   // What came of the pixels in the file of `points`, once.
   [[nodiscard]] std::optional<PointAnswer> take_points_report();
 

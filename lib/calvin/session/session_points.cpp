@@ -96,9 +96,9 @@ PointAnswer CalibrationSession::told(PointAnswer answer) {
 }
 
 PointAnswer CalibrationSession::add_point(const PointChoice& choice,
-                                          const std::optional<FoundCorner>& corner,
+                                          const std::optional<FoundPoint>& found,
                                           const FrameTimes& times) {
-  PointAnswer answer = points_.add(choice, corner);
+  PointAnswer answer = points_.add(choice, found);
   if (answer.accepted()) {
     taken_out_.erase(*answer.id);
     look_for_points();
@@ -124,7 +124,7 @@ std::vector<ExpectedPoint> CalibrationSession::take_expected_points(std::size_t 
 }
 
 PointAnswer CalibrationSession::add_found_points(
-    const std::vector<std::pair<PointChoice, FoundCorner>>& points, const FrameTimes& times) {
+    const std::vector<std::pair<PointChoice, FoundPoint>>& points, const FrameTimes& times) {
   PointAnswer answer = points_.add_found(points);
   renew_manual_view(times);
   return told(std::move(answer));

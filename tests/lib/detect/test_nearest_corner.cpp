@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calvin/detect/checkerboard/corners/nearest_corner.hpp"
+#include "calvin/detect/nearest/nearest_point.hpp"
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "scenes.hpp"
@@ -49,7 +49,7 @@ Score score(const RenderOptions& options, double scale, int pictures, double rea
       const double off = scenes::uniform(random, 1, 2);
       const Pixel click = {at.u + off * std::cos(angle), at.v + off * std::sin(angle)};
       ++score.clicks;
-      const auto corner = nearest_corner(picture.view(), click, reach);
+      const auto corner = nearest_point(picture.view(), click, reach);
       if (!corner) continue;
       ++score.found;
       const double distance = std::hypot(corner->at.u - at.u, corner->at.v - at.v);
@@ -100,8 +100,8 @@ TEST(NearestCorner, IsTheSameInPicturesOfAnyStep) {
   for (std::size_t i = 0; i < picture.pixels.size(); ++i) pairs[2 * i] = picture.pixels[i];
   const ImageView stepped = {pairs.data(), picture.width, picture.height, 2 * picture.width, 2};
   const Pixel at = true_observation(camera, board, pose).uv.at(20);
-  const auto plain = nearest_corner(picture.view(), {at.u + 1, at.v - 1}, 5);
-  const auto other = nearest_corner(stepped, {at.u + 1, at.v - 1}, 5);
+  const auto plain = nearest_point(picture.view(), {at.u + 1, at.v - 1}, 5);
+  const auto other = nearest_point(stepped, {at.u + 1, at.v - 1}, 5);
   ASSERT_TRUE(plain && other);
   EXPECT_EQ(plain->at.u, other->at.u);
   EXPECT_EQ(plain->at.v, other->at.v);
@@ -109,34 +109,34 @@ TEST(NearestCorner, IsTheSameInPicturesOfAnyStep) {
 
 TEST(NearestCorner, IsAbsentWhereThereIsNone) {
   GrayImage picture(200, 150, 90);
-  EXPECT_FALSE(nearest_corner(picture.view(), {100, 75}, 20)) << "plain grey";
+  EXPECT_FALSE(nearest_point(picture.view(), {100, 75}, 20)) << "plain grey";
   for (int y = 0; y < 150; ++y) {
     for (int x = 100; x < 200; ++x) picture.row(y)[x] = 200;
   }
-  EXPECT_FALSE(nearest_corner(picture.view(), {100, 75}, 20)) << "one edge";
+  EXPECT_FALSE(nearest_point(picture.view(), {100, 75}, 20)) << "one edge";
   for (int y = 75; y < 150; ++y) {
     for (int x = 100; x < 200; ++x) picture.row(y)[x] = 90;
   }
-  EXPECT_FALSE(nearest_corner(picture.view(), {100, 75}, 20)) << "one corner of one square";
+  EXPECT_FALSE(nearest_point(picture.view(), {100, 75}, 20)) << "one corner of one square";
   for (int y = 75; y < 150; ++y) {
     for (int x = 0; x < 100; ++x) picture.row(y)[x] = 200;
   }
-  const auto corner = nearest_corner(picture.view(), {102, 77}, 20);
+  const auto corner = nearest_point(picture.view(), {102, 77}, 20);
   ASSERT_TRUE(corner);
   EXPECT_NEAR(corner->at.u, 99.5, 0.02);
   EXPECT_NEAR(corner->at.v, 74.5, 0.02);
-  EXPECT_FALSE(nearest_corner(picture.view(), {102, 77}, 2)) << "beyond the reach";
+  EXPECT_FALSE(nearest_point(picture.view(), {102, 77}, 2)) << "beyond the reach";
 
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   constexpr double kFar = std::numeric_limits<double>::infinity();
   for (const Pixel at : {Pixel{kNone, 3}, Pixel{3, kNone}, Pixel{kFar, 3}, Pixel{-1e9, 3},
                          Pixel{1e300, 1e300}, Pixel{-4, -4}, Pixel{203, 152}}) {
-    EXPECT_FALSE(nearest_corner(picture.view(), at, 5));
+    EXPECT_FALSE(nearest_point(picture.view(), at, 5));
   }
-  EXPECT_FALSE(nearest_corner(picture.view(), {100, 75}, kNone));
-  EXPECT_FALSE(nearest_corner(ImageView{}, {0, 0}, 5));
+  EXPECT_FALSE(nearest_point(picture.view(), {100, 75}, kNone));
+  EXPECT_FALSE(nearest_point(ImageView{}, {0, 0}, 5));
   const GrayImage tiny(3, 2, 1);
-  EXPECT_FALSE(nearest_corner(tiny.view(), {1, 1}, 5));
+  EXPECT_FALSE(nearest_point(tiny.view(), {1, 1}, 5));
 }
 
 }  // namespace

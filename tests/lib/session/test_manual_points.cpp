@@ -51,9 +51,12 @@ TEST(ManualPoints, OfTheirOwnMakeABoard) {
     EXPECT_FALSE(points.view());
   }
   EXPECT_EQ(points.hint(), "1 point more is needed.");
-  const PointAnswer last =
-      points.add({{300, 333}, kCube[3], {}}, FoundCorner{{301.2, 334.1}, 0.03});
+  const PointAnswer disc =
+      points.add({{300, 333}, kCube[3], {}}, FoundPoint{{302, 335}, 0.05, FoundPoint::Kind::kDisc});
+  EXPECT_TRUE(has(disc, "the centre of the disc there, to 0.05 px")) << disc.hint;
+  const PointAnswer last = points.add({{300, 333}, kCube[3], {}}, FoundPoint{{301.2, 334.1}, 0.03});
   EXPECT_TRUE(last.snapped);
+  EXPECT_TRUE(has(last, "the corner there, to 0.03 px")) << last.hint;
   EXPECT_EQ(points.hint(), "Solve now (Return), or choose more.");
   const auto view = points.view();
   ASSERT_TRUE(view);
@@ -65,7 +68,7 @@ TEST(ManualPoints, OfTheirOwnMakeABoard) {
   EXPECT_TRUE(check(*view, kSize));
 
   // A place again takes the new pixel, and so does a measured one, as it is.
-  const PointAnswer again = points.add({{310, 340}, kCube[3], 0.2}, FoundCorner{{1, 1}, 0.03});
+  const PointAnswer again = points.add({{310, 340}, kCube[3], 0.2}, FoundPoint{{1, 1}, 0.03});
   EXPECT_TRUE(again.accepted());
   EXPECT_EQ(again.count, 4U);
   EXPECT_EQ(again.at.u, 310);

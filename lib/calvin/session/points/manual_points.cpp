@@ -136,8 +136,7 @@ std::optional<ManualPoints::Point> ManualPoints::place_of(const PointChoice& cho
   return Point{known == points_.end() ? next_id_ : known->id, *choice.world, {}, 0};
 }
 
-PointAnswer ManualPoints::take(const PointChoice& choice,
-                               const std::optional<FoundCorner>& corner) {
+PointAnswer ManualPoints::take(const PointChoice& choice, const std::optional<FoundPoint>& found) {
   const bool is_inside = choice.at.u >= -0.5 && choice.at.v >= -0.5 &&
                          choice.at.u <= size_.width - 0.5 && choice.at.v <= size_.height - 0.5;
   if (!is_inside) return refuse(choice, PointVerdict::kOutside);
@@ -145,9 +144,9 @@ PointAnswer ManualPoints::take(const PointChoice& choice,
   std::optional<Point> point = place_of(choice, verdict);
   if (!point) return refuse(choice, verdict);
   const bool measured = choice.sigma && is_known_sigma(*choice.sigma);
-  const bool snapped = corner && !measured;
-  point->at = snapped ? corner->at : choice.at;
-  point->sigma = snapped ? corner->sigma : measured ? *choice.sigma : kClickSigma;
+  const bool snapped = found && !measured;
+  point->at = snapped ? found->at : choice.at;
+  point->sigma = snapped ? found->sigma : measured ? *choice.sigma : kClickSigma;
   const auto is_other = [&](const Point& other) {
     return other.id != point->id && distance(other.at, point->at) < kSamePixel;
   };
@@ -158,12 +157,13 @@ PointAnswer ManualPoints::take(const PointChoice& choice,
     points_.push_back(*point);
     next_id_ = std::max(next_id_, point->id + 1);
   }
-  return {PointVerdict::kAccepted, snapped, point->at, point->sigma, point->id, point->world,
+  const auto kind = snapped ? std::optional(found->kind) : std::nullopt;
+  return {PointVerdict::kAccepted, kind, point->at, point->sigma, point->id, point->world,
           points_.size(),          ""};
 }
 
-PointAnswer ManualPoints::add(const PointChoice& choice, const std::optional<FoundCorner>& corner) {
-  PointAnswer answer = take(choice, corner);
+PointAnswer ManualPoints::add(const PointChoice& choice, const std::optional<FoundPoint>& found) {
+  PointAnswer answer = take(choice, found);
   answer.hint = then_next(words_of(answer));
   return answer;
 }
@@ -188,14 +188,13 @@ PointAnswer ManualPoints::add_all(const std::vector<PointChoice>& choices) {
   return all;
 }
 
-PointAnswer ManualPoints::add_found(
-    const std::vector<std::pair<PointChoice, FoundCorner>>& points) {
+PointAnswer ManualPoints::add_found(const std::vector<std::pair<PointChoice, FoundPoint>>& points) {
   std::size_t taken = 0;
-  for (const auto& [choice, corner] : points) {
-    if (take(choice, corner).accepted()) ++taken;
-  }
   PointAnswer answer;
-  answer.snapped = true;
+  for (const auto& [choice, found] : points) {
+    if (take(choice, found).accepted()) ++taken;
+    answer.snapped = found.kind;
+  }
   answer.count = points_.size();
   answer.hint =
       then_next(fmt::format("{} more {} found where the camera has {}.", some_points(taken),
@@ -213,7 +212,7 @@ PointAnswer ManualPoints::remove(std::optional<std::size_t> index) {
   const Point gone = points_[at];
   points_.erase(points_.begin() + static_cast<std::ptrdiff_t>(at));
   return {PointVerdict::kAccepted,
-          false,
+          std::nullopt,
           gone.at,
           gone.sigma,
           gone.id,
@@ -275,12 +274,16 @@ std::string ManualPoints::words_of(const PointAnswer& answer) const {
   if (!answer.accepted()) return words_of_refused(answer);
   std::string words = fmt::format("The point {} ({}) is at {:.2f}, {:.2f}", *answer.id,
                                   millimetres(*answer.world), answer.at.u, answer.at.v);
-  if (answer.snapped)
-    return words + fmt::format(", the corner there, to {:.2g} px.", *answer.sigma);
+  if (answer.snapped) {
+    const bool is_disc = *answer.snapped == FoundPoint::Kind::kDisc;
+    return words + fmt::format(", the {} there, to {:.2g} px.",
+                               is_disc ? "centre of the disc" : "corner", *answer.sigma);
+  }
   if (*answer.sigma != kClickSigma) return words + fmt::format(", to {:.2g} px.", *answer.sigma);
   return words +
-         fmt::format(", to {:.2g} px: no corner of four squares was found within {:.0f} px.",
-                     *answer.sigma, snap_reach(size_));
+         fmt::format(
+             ", to {:.2g} px: no corner of four squares and no disc was found within {:.0f} px.",
+             *answer.sigma, snap_reach(size_));
 }
 
 std::string ManualPoints::words_of_refused(const PointAnswer& answer) const {

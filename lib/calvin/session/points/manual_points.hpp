@@ -15,18 +15,18 @@
 #include <Eigen/Core>
 
 #include "calvin/core/image.hpp"
-#include "calvin/detect/checkerboard/corners/nearest_corner.hpp"
+#include "calvin/detect/nearest/found_point.hpp"
 #include "calvin/solve/view.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
 
-// px, 1 sigma per coordinate of a point that was clicked and has no corner next to it: what a hand
+// px, 1 sigma per coordinate of a point that was clicked and has nothing next to it: what a hand
 // with a mouse comes to.
 inline constexpr double kClickSigma = 1;
 
-// How far from where somebody has clicked a corner is taken for what was meant, px: 5, or 0.5 % of
-// the image's diagonal if that is more, since a large picture is shown smaller.
+// How far from where somebody has clicked a corner or a disc is taken for what was meant, px: 5, or
+// 0.5 % of the image's diagonal if that is more, since a large picture is shown smaller.
 [[nodiscard]] double snap_reach(ImageSize size);
 
 // What somebody points at.
@@ -51,13 +51,13 @@ enum class PointVerdict {
 // What came of it.
 struct PointAnswer {
   PointVerdict verdict = PointVerdict::kAccepted;
-  bool snapped = false;                  // to the corner next to it
-  Pixel at;                              // where the point is now
-  std::optional<double> sigma;           // px
-  std::optional<int> id;                 // on the board of the view
-  std::optional<Eigen::Vector3d> world;  // m
-  std::size_t count = 0;                 // points there are now
-  std::string hint;                      // what to do next, sentences
+  std::optional<FoundPoint::Kind> snapped;  // to what was found next to it
+  Pixel at;                                 // where the point is now
+  std::optional<double> sigma;              // px
+  std::optional<int> id;                    // on the board of the view
+  std::optional<Eigen::Vector3d> world;     // m
+  std::size_t count = 0;                    // points there are now
+  std::string hint;                         // what to do next, sentences
 
   [[nodiscard]] bool accepted() const noexcept { return verdict == PointVerdict::kAccepted; }
 };
@@ -73,13 +73,13 @@ class ManualPoints {
   // What the user is told when the points are enough, a sentence.
   void set_done_words(std::string words) { done_words_ = std::move(words); }
 
-  // `corner`: what was found next to the pixel, if it was looked for. A place that has a pixel
-  // already gets the new one.
+  // `found`: what is next to the pixel, if that was looked for. A place that has a pixel already
+  // gets the new one.
   [[nodiscard]] PointAnswer add(const PointChoice& choice,
-                                const std::optional<FoundCorner>& corner = std::nullopt);
+                                const std::optional<FoundPoint>& found = std::nullopt);
   // Those that were found where a known camera has them.
   [[nodiscard]] PointAnswer add_found(
-      const std::vector<std::pair<PointChoice, FoundCorner>>& points);
+      const std::vector<std::pair<PointChoice, FoundPoint>>& points);
   // All of a file, as far as they can be taken: how many, and in words what became of them.
   [[nodiscard]] PointAnswer add_all(const std::vector<PointChoice>& choices);
   // The newest one, or that of a number in the order in which they were chosen.
@@ -114,8 +114,7 @@ class ManualPoints {
   [[nodiscard]] std::optional<Point> place_of(const PointChoice& choice,
                                               PointVerdict& verdict) const;
   // The answer without words.
-  [[nodiscard]] PointAnswer take(const PointChoice& choice,
-                                 const std::optional<FoundCorner>& corner);
+  [[nodiscard]] PointAnswer take(const PointChoice& choice, const std::optional<FoundPoint>& found);
   [[nodiscard]] PointAnswer refuse(const PointChoice& choice, PointVerdict verdict) const;
   [[nodiscard]] std::string words_of(const PointAnswer& answer) const;
   [[nodiscard]] std::string words_of_refused(const PointAnswer& answer) const;

@@ -107,13 +107,13 @@ class RigSession {
   void set_points(std::size_t camera, KnownPoints points);
   // Whether there are such points.
   [[nodiscard]] bool clicks_choose(std::size_t camera);
-  // How far from a click a corner is taken for it, px.
+  // How far from a click a corner or a disc is taken for it, px.
   [[nodiscard]] double point_reach(std::size_t camera) {
     return snap_reach(at(camera).size.value_or(ImageSize{}));
   }
-  // `corner`: what is next to the pixel in the picture of that time, if it was looked for.
+  // `found`: what is next to the pixel in the picture of that time, if it was looked for.
   [[nodiscard]] PointAnswer add_point(std::size_t camera, const PointChoice& choice,
-                                      const std::optional<FoundCorner>& corner,
+                                      const std::optional<FoundPoint>& found,
                                       std::uint64_t timestamp);
   // The newest one, or that of a number.
   [[nodiscard]] PointAnswer remove_point(std::size_t camera, std::optional<std::size_t> index);

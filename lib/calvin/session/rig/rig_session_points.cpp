@@ -141,10 +141,9 @@ PointAnswer RigSession::told(Camera& camera, PointAnswer answer) const {
 }
 
 PointAnswer RigSession::add_point(std::size_t camera, const PointChoice& choice,
-                                  const std::optional<FoundCorner>& corner,
-                                  std::uint64_t timestamp) {
+                                  const std::optional<FoundPoint>& found, std::uint64_t timestamp) {
   Camera& own = at(camera);
-  PointAnswer answer = own.points.add(choice, corner);
+  PointAnswer answer = own.points.add(choice, found);
   if (!answer.accepted()) return answer;
   if (timestamp != kNoTimestamp) chosen_at_ = timestamp;
   renew_chosen();

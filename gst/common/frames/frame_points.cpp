@@ -3,7 +3,7 @@
 
 // Reads the luma of a frame that somebody has pointed at.
 
-#include "common/frames/frame_corners.hpp"
+#include "common/frames/frame_points.hpp"
 
 #include <utility>
 
@@ -11,12 +11,12 @@
 
 namespace calvin::gst {
 
-std::optional<FoundCorner> FrameLook::corner_at(Pixel at, double reach) const {
+std::optional<FoundPoint> FrameLook::point_at(Pixel at, double reach) const {
   if (image_.data == nullptr) return std::nullopt;
-  return nearest_corner(image_, at, reach);
+  return nearest_point(image_, at, reach);
 }
 
-FrameLook FrameCorners::look(GstBuffer* buffer) const {
+FrameLook FramePoints::look(GstBuffer* buffer) const {
   FrameLook look;
   if (GST_VIDEO_INFO_FORMAT(&info_) == GST_VIDEO_FORMAT_UNKNOWN) return look;
   const auto part = part_of(buffer, info_);

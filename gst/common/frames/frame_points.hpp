@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The corners next to pixels of a frame of any raw format.
+// The corners and discs next to pixels of a frame of any raw format.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 #include <gst/video/video.h>
 
-#include "calvin/detect/checkerboard/corners/nearest_corner.hpp"
+#include "calvin/detect/nearest/nearest_point.hpp"
 #include "common/frames/frame_luma.hpp"
 
 namespace calvin::gst {
@@ -17,18 +17,18 @@ namespace calvin::gst {
 // One frame while it is looked at. No longer than its buffer.
 class FrameLook {
  public:
-  // nearest_corner(). Absent also where the frame's pixels cannot be read.
-  [[nodiscard]] std::optional<FoundCorner> corner_at(Pixel at, double reach) const;
+  // nearest_point(). Absent also where the frame's pixels cannot be read.
+  [[nodiscard]] std::optional<FoundPoint> point_at(Pixel at, double reach) const;
 
  private:
-  friend class FrameCorners;
+  friend class FramePoints;
   std::shared_ptr<LumaReader> luma_;  // has the pixels of `image_`
   Picture picture_;
   ImageView image_;  // without data where nothing can be read
 };
 
 // One streaming thread at a time.
-class FrameCorners {
+class FramePoints {
  public:
   void set_format(const GstVideoInfo& info) { info_ = info; }
   [[nodiscard]] FrameLook look(GstBuffer* buffer) const;

@@ -4,12 +4,10 @@
 // Candidates by their saddles, in the picture and in smaller ones of it where edges are wide; each
 // is fitted in windows that grow as long as nothing else is in them.
 
-#include "calvin/detect/checkerboard/corners/nearest_corner.hpp"
+#include "calvin/detect/nearest/nearest_corner.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <exception>
 #include <vector>
 
 #include "calvin/detect/checkerboard/corners/corner.hpp"
@@ -26,32 +24,8 @@ using detect::Pyramid;
 using detect::RingSize;
 using detect::SaddleFit;
 
-constexpr int kAround = 50;    // px beyond the reach that a fit may look at
 constexpr int kLevels = 3;     // of the pyramid: edges may be as wide as 4 px
 constexpr double kEdge = 1.3;  // px, width of the edges of a level, 1 sigma
-constexpr double kMostReach = 500;
-
-// A part of an image, and where its first pixel lies.
-struct Part {
-  GrayImage image;
-  int x = 0;
-  int y = 0;
-};
-
-Part part_around(const ImageView& image, Pixel middle, int half) {
-  const int left = std::max(0, static_cast<int>(std::lround(middle.u)) - half);
-  const int top = std::max(0, static_cast<int>(std::lround(middle.v)) - half);
-  const int right = std::min(image.width, static_cast<int>(std::lround(middle.u)) + half + 1);
-  const int bottom = std::min(image.height, static_cast<int>(std::lround(middle.v)) + half + 1);
-  Part part;
-  if (right <= left || bottom <= top) return part;
-  part = {GrayImage(right - left, bottom - top), left, top};
-  for (int y = top; y < bottom; ++y) {
-    std::uint8_t* row = part.image.row(y - top);
-    for (int x = left; x < right; ++x) row[x - left] = image.at(x, y);
-  }
-  return part;
-}
 
 // A fit of edges that are known roughly begins there, in px of the part.
 SaddleFit start_of(const detect::Corner& corner, int level) {
@@ -125,13 +99,13 @@ std::vector<SaddleFit> candidates(const ImageView& image, int level, Pixel near,
   return found;
 }
 
-std::optional<FoundCorner> corner_in(const Part& part, Pixel near, double reach) {
+std::optional<FoundPoint> corner_in(const ImagePart& part, Pixel near, double reach) {
   Pyramid pyramid;
   pyramid.build(part.image.view(), kLevels,
                 {2 * detect::kRingReach + 2, 2 * detect::kRingReach + 2});
   const Pixel there = {near.u - part.x, near.v - part.y};
   for (int level = 0; level < pyramid.levels(); ++level) {
-    std::optional<FoundCorner> nearest;
+    std::optional<FoundPoint> nearest;
     double least = reach;
     for (const SaddleFit& start : candidates(pyramid.level(level), level, there, reach)) {
       const auto fit = best_fit(part.image.view(), start);
@@ -148,19 +122,8 @@ std::optional<FoundCorner> corner_in(const Part& part, Pixel near, double reach)
 
 }  // namespace
 
-std::optional<FoundCorner> nearest_corner(const ImageView& image, Pixel near,
-                                          double reach) noexcept {
-  const bool is_inside = near.u >= -reach && near.v >= -reach && near.u <= image.width + reach &&
-                         near.v <= image.height + reach;
-  if (image.data == nullptr || !(reach > 0) || !is_inside) return std::nullopt;
-  try {
-    reach = std::min(reach, kMostReach);
-    const Part part = part_around(image, near, static_cast<int>(std::ceil(reach)) + kAround);
-    if (part.image.pixels.empty()) return std::nullopt;
-    return corner_in(part, near, reach);
-  } catch (const std::exception&) {  // no memory
-    return std::nullopt;
-  }
+std::optional<FoundPoint> nearest_corner(const ImagePart& part, Pixel near, double reach) {
+  return part.image.pixels.empty() ? std::nullopt : corner_in(part, near, reach);
 }
 
 }  // namespace calvin

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The nearer one of a corner and a disc.
+
+#include "calvin/detect/nearest/nearest_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include "calvin/detect/nearest/image_part.hpp"
+#include "calvin/detect/nearest/nearest_corner.hpp"
+#include "calvin/detect/nearest/nearest_disc.hpp"
+
+namespace calvin {
+
+namespace {
+
+constexpr double kMostReach = 500;  // px
+
+}  // namespace
+
+std::optional<FoundPoint> nearest_point(const ImageView& image, Pixel near, double reach) noexcept {
+  try {
+    reach = std::min(reach, kMostReach);
+    const ImagePart part = part_within_reach(image, near, reach);
+    const auto corner = nearest_corner(part, near, reach);
+    const auto disc = nearest_disc(part, near, reach);
+    if (!corner || !disc) return corner ? corner : disc;
+    const auto distance = [near](const FoundPoint& found) {
+      return std::hypot(found.at.u - near.u, found.at.v - near.v);
+    };
+    return distance(*disc) < distance(*corner) ? disc : corner;
+  } catch (const std::exception&) {  // no memory
+    return std::nullopt;
+  }
+}
+
+}  // namespace calvin
