@@ -126,11 +126,18 @@ void near_pose(const Calibration& found, const SE3& truth, double translation, d
 
 }  // namespace
 
-// Corners are clicked 1 to 2 px beside, in the order of the board, in pictures of several formats.
-GST_START_TEST(test_clicks_are_snapped_to_corners) {
-  for (const char* format : {"GRAY8", "YUY2", "RGB", "I420"}) {
+// Corners and dots are clicked 1 to 2 px beside, in the order of the board, in pictures of several
+// formats.
+GST_START_TEST(test_clicks_are_snapped) {
+  using Case = std::pair<const char*, std::string>;
+  const std::string squares = "checkerboard:9x6:25mm";
+  for (const auto& [format, board] :
+       {Case{"GRAY8", squares}, Case{"YUY2", squares}, Case{"RGB", squares}, Case{"I420", squares},
+        Case{"NV12", "circles:7x5:30mm"}}) {
     // Of a camera that nobody knows: or the others were found after the first four.
-    PointsFixture f("points=checkerboard:9x6:25mm", format, "calibsolve", false);
+    PointsFixture f("points=" + board, format, "calibsolve", false);
+    f.scene.board = parse_board(board).value();
+    f.picture = f.scene.picture(1);
     const Observation truth = f.scene.truth(1);
     f.frame();
     for (std::size_t i = 0; i < truth.ids.size(); ++i) {
@@ -144,8 +151,10 @@ GST_START_TEST(test_clicks_are_snapped_to_corners) {
                   gst_structure_get_string(s, "hint"));
       fail_unless_equals_int(number(s, "id"), truth.ids[i]);
       const double distance = std::hypot(check::get(s, "u") - at.u, check::get(s, "v") - at.v);
-      fail_unless(distance < 0.1, "%s: %g px off", format, distance);
-      fail_unless(check::get(s, "sigma") < 0.1);
+      // The middle of what is seen of a disc is not quite its centre.
+      const bool is_disc = board != squares;
+      fail_unless(distance < (is_disc ? 0.2 : 0.1), "%s: %g px off", format, distance);
+      fail_unless(check::get(s, "sigma") < (is_disc ? 0.2 : 0.1));
     }
     fail_unless_equals_int(number(f.last(), "points"), static_cast<int>(truth.ids.size()));
     fail_unless(f.bus->named("calib-result").empty(), "one plane alone is no camera");
@@ -348,7 +357,7 @@ static Suite* calibsolve_points_suite() {
   suite_add_tcase(suite, tc);
   tcase_set_timeout(tc, 60);
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
-  tcase_add_test(tc, test_clicks_are_snapped_to_corners);
+  tcase_add_test(tc, test_clicks_are_snapped);
   tcase_add_test(tc, test_events_and_signals_bring_their_places);
   tcase_add_test(tc, test_points_of_a_file);
   tcase_add_test(tc, test_the_rest_of_a_file_is_found);
