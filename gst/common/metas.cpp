@@ -256,6 +256,28 @@ void set_parameters(GstStructure* s, const std::vector<ParameterGroup>& groups) 
   take_structures(s, "parameters", list);
 }
 
+void set_points(GstStructure* s, const std::vector<PlacedPoint>& points) {
+  if (points.empty()) return;
+  std::vector<int> ids;
+  std::vector<Pixel> places;
+  for (const PlacedPoint& point : points) {
+    ids.push_back(point.id);
+    places.push_back(point.at);
+  }
+  set_ints(s, "point-ids", ids);
+  set_pixels(s, "points", places);
+}
+
+std::vector<PlacedPoint> get_points(const GstStructure* s) {
+  const std::vector<int> ids = get_ints(s, "point-ids");
+  const std::vector<Pixel> places = get_pixels(s, "points");
+  std::vector<PlacedPoint> points;
+  for (std::size_t i = 0; i < std::min(ids.size(), places.size()); ++i) {
+    points.push_back({ids[i], places[i]});
+  }
+  return points;
+}
+
 std::vector<ParameterGroup> get_parameters(const GstStructure* s) {
   std::vector<ParameterGroup> groups;
   for (const GstStructure* group : get_structures(s, "parameters")) {
@@ -276,6 +298,7 @@ void set_progress(GstStructure* s, const Progress& p) {
     gst_structure_set(s, "coverage-map", G_TYPE_STRING, to_text(p.coverage_map).c_str(), nullptr);
   }
   set_pixels(s, "ghost", p.ghost);
+  set_points(s, p.points);
   set_parameters(s, p.parameters);
   if (!p.summary.empty()) set_strings(s, "summary", p.summary);
   set_double(s, "expected-error", p.expected_error);
@@ -310,6 +333,7 @@ std::optional<Progress> read_guidance(GstBuffer* buffer) {
   p.captured = get_boolean(s, "captured");
   p.hint = get_string(s, "hint");
   p.ghost = get_pixels(s, "ghost");
+  p.points = get_points(s);
   p.ghost_share = get_double(s, "ghost-share").value_or(0);
   p.parameters = get_parameters(s);
   p.done = get_boolean(s, "done");

@@ -8,7 +8,7 @@
 //                      carries a result that no buffer can take any more.
 // calvin-guidance      hint, coverage, x, y, size, tilt and the same as skew, expected-error,
 //                      expected-error-anywhere, rms, views, captured, ghost-share, ghost: array of
-//                      x and y as parts of the picture
+//                      x and y as parts of the picture, points likewise, point-ids
 // calvin-ground-truth  camera, width, height, calibration (JSON), boards: array of {board, ids,
 //                      uv, rotation, translation}: what calibtestsrc rendered
 //

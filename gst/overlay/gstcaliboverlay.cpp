@@ -111,6 +111,7 @@ void draw_all_words(State& state, const gst::OverlaySettings& settings,
         state.panel_words.draw(overlay_panel_words(frame, progress, state.panel), frame);
     room = beside_panel(overlay_panel_box(frame, progress, state.panel), frame);
   }
+  state.numbers = state.point_numbers.draw(overlay_point_numbers(frame, progress), frame);
   if (!settings.caption) return;
   state.words = draw_words(state, in_view, {overlay_caption(progress), frame, room, progress.done});
 }
@@ -227,12 +228,13 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   if (settings.mirror) {
     for (Observation& o : seen) o = mirrored(std::move(o), frame);
   }
-  state.words = state.words_in_panel = nullptr;
+  state.words = nullptr;
+  state.words_in_panel = state.numbers = {};
   if (progress) draw_all_words(state, settings, seen, *progress, frame);
   const auto tiles = state.painter.draw(frame, seen, progress,
                                         {.ghost = settings.ghost,
                                          .coverage = settings.coverage,
-                                         .words = gst::PanelWords::can_draw(),
+                                         .words = gst::Labels::can_draw(),
                                          .panel = state.panel});
   state.tiles = tiles.value_or(std::span<const OverlayTile>());
   if (!tiles) GST_DEBUG_OBJECT(trans, "draws nothing: %s", tiles.error().message.c_str());
@@ -255,10 +257,12 @@ static void draw_on(GstCalibOverlay* self, GstVideoFrame& frame) {
   const auto blend = [&](const OverlayTile& tile) {
     blended = state.blender.blend(tile) && blended;
   };
-  std::for_each(state.tiles.begin(), state.tiles.end(), blend);
-  for (const OverlayTile* words : {state.words_in_panel, state.words}) {
-    if (words != nullptr) blend(*words);
+  for (const auto& tiles : {state.tiles, state.numbers, state.words_in_panel}) {
+    for (const OverlayTile& tile : tiles) {
+      if (!tile.pixels.empty()) blend(tile);
+    }
   }
+  if (state.words != nullptr) blend(*state.words);
   if (padded) padded->copy_to(frame);
   if (!blended && !state.blending_failed) {
     state.blending_failed = true;

@@ -17,7 +17,7 @@
 
 #include <gst/video/video-overlay-composition.h>
 
-#include "calvin/draw/tile_yuv.hpp"
+#include "calvin/draw/raster/tile_yuv.hpp"
 
 namespace calvin::gst {
 

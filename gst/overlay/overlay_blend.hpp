@@ -9,7 +9,7 @@
 #include <gst/video/video.h>
 
 #include "calvin/draw/overlay.hpp"
-#include "calvin/draw/tile_stamp.hpp"
+#include "calvin/draw/raster/tile_stamp.hpp"
 #include "common/frames/frame_part.hpp"
 
 namespace calvin::gst {

@@ -19,8 +19,8 @@
 #include "common/properties.hpp"
 #include "common/shared_settings.hpp"
 #include "overlay/caption.hpp"
+#include "overlay/labels.hpp"
 #include "overlay/overlay_blend.hpp"
-#include "overlay/panel_words.hpp"
 
 namespace calvin::gst {
 
@@ -62,13 +62,15 @@ struct OverlayState : SharedSettings<OverlaySettings> {
   std::span<const OverlayTile> tiles;  // of the buffer at hand
   Caption caption;
   Caption::Place words_at = Caption::Place::kBottom;
-  PanelWords panel_words;
+  Labels panel_words{Labels::Tiles::kOne};
+  Labels point_numbers{Labels::Tiles::kEach};
   PanelSide panel = PanelSide::kLeft;
   // The tiles of words for the buffer at hand.
   const OverlayTile* words = nullptr;
-  const OverlayTile* words_in_panel = nullptr;
-  std::optional<FramePart> part;  // of the buffer's picture that is the frame
-  bool mirror = false;            // the buffer at hand
+  std::span<const OverlayTile> words_in_panel;
+  std::span<const OverlayTile> numbers;  // of points
+  std::optional<FramePart> part;         // of the buffer's picture that is the frame
+  bool mirror = false;                   // the buffer at hand
   bool blending_failed = false;
   std::atomic<int> width = 0;  // px, of the frames
   bool frame_refused = false;  // and that was reported
@@ -78,7 +80,8 @@ struct OverlayState : SharedSettings<OverlaySettings> {
     progress = {};
     captured = {};
     tiles = {};
-    words = words_in_panel = nullptr;
+    words = nullptr;
+    words_in_panel = numbers = {};
   }
 };
 

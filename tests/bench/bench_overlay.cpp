@@ -15,7 +15,7 @@
 #include "calvin/draw/overlay.hpp"
 #include "common/metas.hpp"
 #include "overlay/caption.hpp"
-#include "overlay/panel_words.hpp"
+#include "overlay/labels.hpp"
 #include "ratio_reporter.hpp"
 #include "support.hpp"
 
@@ -66,17 +66,18 @@ class Scenes {
 
   // The drawing of a frame as another program would hand it to libgstvideo.
   [[nodiscard]] GstVideoOverlayComposition* composition(int n) const {
-    const OverlayParts parts{.words = gst::PanelWords::can_draw()};
+    const OverlayParts parts{.words = gst::Labels::can_draw()};
     auto tiles =
         draw_overlay(size_, boards_[static_cast<std::size_t>(n)], progress_, parts).value();
-    gst::PanelWords panel_words;
+    gst::Labels panel_words{gst::Labels::Tiles::kOne};
     gst::Caption caption;
-    const OverlayTile* words[] = {
-        panel_words.draw(overlay_panel_words(size_, progress_, parts.panel), size_),
-        caption.draw({overlay_caption(progress_), size_, {0, size_.width}},
-                     gst::Caption::Place::kBottom)};
-    for (const OverlayTile* tile : words) {
-      if (tile != nullptr) tiles.push_back(*tile);
+    for (const OverlayTile& tile :
+         panel_words.draw(overlay_panel_words(size_, progress_, parts.panel), size_)) {
+      tiles.push_back(tile);
+    }
+    if (const OverlayTile* words = caption.draw(
+            {overlay_caption(progress_), size_, {0, size_.width}}, gst::Caption::Place::kBottom)) {
+      tiles.push_back(*words);
     }
     GstVideoOverlayComposition* composition = gst_video_overlay_composition_new(nullptr);
     for (const OverlayTile& tile : tiles) add(composition, tile);

@@ -137,6 +137,27 @@ GST_START_TEST(test_the_panel_makes_room_for_the_ghost) {
 }
 GST_END_TEST;
 
+// A number is not drawn again for each point that comes.
+GST_START_TEST(test_manual_points_have_numbers) {
+  Harness harness(kFrames);
+  Progress progress = under_way();
+  progress.points = {{4, {300.5 / 640, 200.5 / 480}}};
+  g_autoptr(GstBuffer) without = drawn(harness, under_way());
+  g_autoptr(GstBuffer) one = drawn(harness, progress);
+  const check::Box number = {310, 192, 330, 208};
+  fail_unless(differences(without, one, harness.info, number) > 10);
+  progress.points.push_back({17, {500.5 / 640, 300.5 / 480}});
+  g_autoptr(GstBuffer) two = drawn(harness, progress);
+  fail_unless_equals_int(differences(one, two, harness.info, number), 0);
+  fail_unless(differences(one, two, harness.info, {510, 292, 540, 308}) > 20);
+  // Anybody may write the same point twice.
+  progress.points.push_back(progress.points.front());
+  progress.points.push_back(progress.points.front());
+  g_autoptr(GstBuffer) twice = drawn(harness, progress);
+  fail_unless_equals_int(differences(two, twice, harness.info, number), 0);
+}
+GST_END_TEST;
+
 static Suite* caliboverlay_panel_suite() {
   Suite* suite = suite_create("caliboverlay_panel");
   TCase* tc = tcase_create("general");
@@ -146,6 +167,7 @@ static Suite* caliboverlay_panel_suite() {
   tcase_add_test(tc, test_the_numbers_are_there_when_it_is_done);
   tcase_add_test(tc, test_the_panel_makes_room_for_the_board);
   tcase_add_test(tc, test_the_panel_makes_room_for_the_ghost);
+  tcase_add_test(tc, test_manual_points_have_numbers);
 #endif
   suite_add_tcase(suite, tc);
   return suite;

@@ -127,6 +127,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   guidance.captured = true;
   guidance.coverage_map = {3, {true, false, false, false, true, true}};
   guidance.parameters = {{"focal length", 0.25}, {"distortion", 1}};
+  guidance.points = {{4, {0.25, 0.5}}, {9, {0.75, 0.125}}};
   guidance.done = true;
   guidance.summary = {"fx 1", "fy 2 \u00b1 3"};
   gst::attach_guidance(buffer, guidance);
@@ -143,6 +144,9 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless(g->coverage == 0.1 && g->x == 0.2 && g->y == 0.3 && g->size == 0.4);
   fail_unless(g->tilt == 0.5 && g->captured && g->done);
   fail_unless(g->summary == guidance.summary && g->wanted_error_anywhere == 0.75);
+  fail_unless_equals_int(g->points.size(), 2);
+  fail_unless_equals_int(g->points[1].id, 9);
+  fail_unless(g->points[1].at.u == 0.75 && g->points[1].at.v == 0.125);
   fail_unless_equals_int(g->parameters.size(), 2);
   fail_unless_equals_string(g->parameters[1].name.c_str(), "distortion");
   fail_unless(g->parameters[0].known == 0.25 && g->parameters[1].known == 1);

@@ -51,6 +51,7 @@ Observation mirrored(Observation seen, ImageSize frame) {
 
 Progress mirrored(Progress progress) {
   for (Pixel& at : progress.ghost) at.u = 1 - at.u;
+  for (PlacedPoint& point : progress.points) point.at.u = 1 - point.at.u;
   CoverageMap& map = progress.coverage_map;
   for (int row = 0; row < map.rows(); ++row) {
     const auto first = map.covered.begin() + static_cast<std::ptrdiff_t>(row) * map.columns;

@@ -209,6 +209,7 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
     add_observation(shapes, frame, observation, room);
     for (std::size_t i = before; i < shapes.size(); ++i) shapes[i].moves = true;
   }
+  if (progress) add_points(shapes, frame, *progress);
   if (progress && parts.coverage) add_panel(shapes, frame, *progress, parts);
   return shapes;
 }

@@ -32,11 +32,12 @@ struct OverlayParts {
 // point 0 is a disc, or a circle where the labelling is ambiguous) and, where there is `progress`,
 // one bar each for coverage, x, y, size and tilt, a value outside 0..1 taken as the nearer end, a
 // chip for each group of parameters that turns green as they are known, the map of what was
-// covered, the ghost, which fills with what the present view tells, and a border for `captured`
-// and, a thinner one, for `done`; the words of overlay_panel_words() are not. No tile where there
-// is nothing to draw. Corners are scaled to the frame from the image_size of their observation. The
-// first 64 observations are drawn, and the first 2000 corners of them. kUnsupported where the
-// library was built without Cairo, whatever the arguments.
+// covered, a cross at each manual point, the ghost, which fills with what the present view tells,
+// and a border for `captured` and, a thinner one, for `done`; the words of overlay_panel_words()
+// and the numbers of overlay_point_numbers() are not. No tile where there is nothing to draw.
+// Corners are scaled to the frame from the image_size of their observation. The first 64
+// observations are drawn, and the first 2000 corners of them. kUnsupported where the library was
+// built without Cairo, whatever the arguments.
 [[nodiscard]] Result<std::vector<OverlayTile>> draw_overlay(
     ImageSize frame, std::span<const Observation> observations,
     const std::optional<Progress>& progress, const OverlayParts& parts = {});

@@ -32,7 +32,7 @@ struct OverlayBox {
 [[nodiscard]] OverlayBox overlay_panel_box(ImageSize frame, const Progress& progress,
                                            PanelSide side);
 
-// Words in the panel, in a line of their own.
+// Words in the panel, in a line of their own, or beside a point.
 struct OverlayWords {
   std::string text;
   Pixel at;          // the left end, half way up the line
@@ -46,6 +46,10 @@ struct OverlayWords {
 [[nodiscard]] std::vector<OverlayWords> overlay_panel_words(ImageSize frame,
                                                             const Progress& progress,
                                                             PanelSide side);
+
+// The number of each manual point, beside its cross.
+[[nodiscard]] std::vector<OverlayWords> overlay_point_numbers(ImageSize frame,
+                                                              const Progress& progress);
 
 // Px of the frame, from left to right.
 struct OverlaySpan {

@@ -9,7 +9,7 @@
 
 #include "calvin/draw/overlay_shapes.hpp"
 #include "calvin/draw/overlay_tile.hpp"
-#include "calvin/draw/stroke_kernels.hpp"
+#include "calvin/draw/raster/stroke_kernels.hpp"
 
 namespace calvin {
 

@@ -54,6 +54,9 @@ void add_box(std::vector<Shape>& shapes, double x, double y, double width, doubl
 void add_panel(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress,
                const OverlayParts& parts);
 
+// A cross at each manual point, the newest one in green.
+void add_points(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress);
+
 struct Extent {
   double left = 0;
   double top = 0;

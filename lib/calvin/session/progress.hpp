@@ -33,6 +33,12 @@ struct ParameterGroup {
   double known = 0;  // 0..1: 1 where they are known as well as is wanted
 };
 
+// A manual point in the picture.
+struct PlacedPoint {
+  int id = 0;
+  Pixel at;  // parts of the picture, as Progress::ghost
+};
+
 struct Progress {
   int views = 0;
   double coverage = 0;  // part of the image that boards covered, 0..1
@@ -64,6 +70,8 @@ struct Progress {
   std::vector<std::string> summary = {};  // then: the calibration, a parameter in each line
   // What expected_error_anywhere is to come to, px; absent where nobody wants anything.
   std::optional<double> wanted_error_anywhere = std::nullopt;
+  std::vector<PlacedPoint> points = {};  // manual points, the newest kMostPoints of them
+  static constexpr std::size_t kMostPoints = 256;
 };
 
 }  // namespace calvin

@@ -115,6 +115,7 @@ Progress CalibrationSession::progress() const {
     now.parameters =
         parameter_groups(parameter_errors_, wanted_error_anywhere(plan_.settings.target_error));
   }
+  now.points = points_.placed(Progress::kMostPoints);
   now.done = calibration_ && (finished_ || is_good_enough_);
   if (now.done) now.summary = parameter_lines(*calibration_);
   return now;

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/draw/overlay.hpp"
-#include "calvin/draw/tile_stamp.hpp"
+#include "calvin/draw/raster/tile_stamp.hpp"
 #include "calvin_config.h"
 
 #if CALVIN_HAVE_CAIRO

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calvin/draw/stroke_kernels.hpp"
+#include "calvin/draw/raster/stroke_kernels.hpp"
 
 namespace calvin {
 namespace {

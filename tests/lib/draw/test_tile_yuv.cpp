@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calvin/draw/tile_yuv.hpp"
+#include "calvin/draw/raster/tile_yuv.hpp"
 
 namespace calvin {
 namespace {

@@ -58,6 +58,11 @@ TEST(ManualPoints, OfTheirOwnMakeABoard) {
   EXPECT_TRUE(last.snapped);
   EXPECT_TRUE(has(last, "the corner there, to 0.03 px")) << last.hint;
   EXPECT_EQ(points.hint(), "Solve now (Return), or choose more.");
+  const auto placed = points.placed(3);
+  ASSERT_EQ(placed.size(), 3U) << "the newest ones";
+  EXPECT_EQ(placed.back().id, 3);
+  EXPECT_DOUBLE_EQ(placed.back().at.u, (301.2 + 0.5) / kSize.width);
+  EXPECT_DOUBLE_EQ(placed.back().at.v, (334.1 + 0.5) / kSize.height);
   const auto view = points.view();
   ASSERT_TRUE(view);
   EXPECT_TRUE(points.suffice()) << "of a known camera";

@@ -230,6 +230,15 @@ PointAnswer ManualPoints::refuse(const PointChoice& choice, PointVerdict verdict
   return answer;
 }
 
+std::vector<PlacedPoint> ManualPoints::placed(std::size_t most) const {
+  std::vector<PlacedPoint> placed;
+  for (std::size_t i = points_.size() - std::min(most, points_.size()); i < points_.size(); ++i) {
+    const Point& p = points_[i];
+    placed.push_back({p.id, {(p.at.u + 0.5) / size_.width, (p.at.v + 0.5) / size_.height}});
+  }
+  return placed;
+}
+
 std::optional<View> ManualPoints::view() const {
   if (points_.size() < kFewest) return std::nullopt;
   View view;

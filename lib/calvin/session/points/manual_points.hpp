@@ -16,6 +16,7 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/nearest/found_point.hpp"
+#include "calvin/session/progress.hpp"
 #include "calvin/solve/view.hpp"
 #include "calvin/target/board.hpp"
 
@@ -87,6 +88,8 @@ class ManualPoints {
 
   [[nodiscard]] std::size_t count() const noexcept { return points_.size(); }
   [[nodiscard]] const std::optional<Board>& board() const noexcept { return board_; }
+  // The newest ones, in the order in which they were chosen, as the picture shows them.
+  [[nodiscard]] std::vector<PlacedPoint> placed(std::size_t most) const;
   // What to do next, a sentence; empty without a board and without points.
   [[nodiscard]] std::string hint() const;
 

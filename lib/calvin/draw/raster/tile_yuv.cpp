@@ -3,7 +3,7 @@
 
 // Most pixels of a tile are transparent, and most others like the one before them.
 
-#include "calvin/draw/tile_yuv.hpp"
+#include "calvin/draw/raster/tile_yuv.hpp"
 
 #include <algorithm>
 #include <array>

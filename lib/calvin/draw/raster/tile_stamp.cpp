@@ -3,7 +3,7 @@
 
 // Converts the pixels of a tile that are not transparent, a run of them at a time.
 
-#include "calvin/draw/tile_stamp.hpp"
+#include "calvin/draw/raster/tile_stamp.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -11,7 +11,7 @@
 #include <span>
 #include <utility>
 
-#include "calvin/draw/stamp_kernels.hpp"
+#include "calvin/draw/raster/stamp_kernels.hpp"
 
 namespace calvin {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Draws the words of the panel with Pango, white in a dark outline: they lie on any colour.
+// Draws words with Pango, white in a dark outline.
 
-#include "overlay/panel_words.hpp"
+#include "overlay/labels.hpp"
 
 #include "calvin_config.h"
 
@@ -25,8 +25,8 @@ namespace {
 
 constexpr double kSmallest = 5;  // px of a font that anybody can read
 
-// Around all of the words, at multiples of 4 as all tiles, in the frame.
-OverlayTile around(const std::vector<OverlayWords>& words, ImageSize frame) {
+// Around the words, at multiples of 4 as all tiles, in the frame.
+OverlayTile around(std::span<const OverlayWords> words, ImageSize frame) {
   double left = frame.width;
   double top = frame.height;
   double right = 0;
@@ -47,7 +47,7 @@ OverlayTile around(const std::vector<OverlayWords>& words, ImageSize frame) {
 }
 
 // What of each pixel the words cover.
-CairoSurface cover_of(TextPainter& painter, const std::vector<OverlayWords>& words,
+CairoSurface cover_of(TextPainter& painter, std::span<const OverlayWords> words,
                       const OverlayTile& tile) {
   CairoSurface cover(cairo_image_surface_create(CAIRO_FORMAT_A8, tile.width, tile.height));
   const CairoContext context(cairo_create(cover.get()));
@@ -79,37 +79,51 @@ CairoSurface outline_of(const CairoSurface& words, const OverlayTile& tile, doub
   return outline;
 }
 
-}  // namespace
-
-PanelWords::PanelWords() = default;
-PanelWords::~PanelWords() = default;
-
-bool PanelWords::can_draw() noexcept { return true; }
-
-const OverlayTile* PanelWords::draw(std::vector<OverlayWords> words, ImageSize frame) {
-  if (words.empty() || words.front().size < kSmallest) return nullptr;
-  const bool is_new = words != words_ || frame != frame_;
-  if (is_new) {
-    words_ = std::move(words);
-    frame_ = frame;
-    tile_ = around(words_, frame);
-  }
-  if (tile_.width < 1 || tile_.height < 1) return nullptr;
-  if (!is_new) return &tile_;
-  tile_.pixels.resize(4 * static_cast<std::size_t>(tile_.width) *
-                      static_cast<std::size_t>(tile_.height));
+// Without pixels where the words are beyond the border.
+OverlayTile draw_words(TextPainter& painter, std::span<const OverlayWords> words, ImageSize frame) {
+  OverlayTile tile = around(words, frame);
+  if (tile.width < 1 || tile.height < 1) return tile;
+  tile.pixels.resize(4 * static_cast<std::size_t>(tile.width) *
+                     static_cast<std::size_t>(tile.height));
   const CairoSurface surface(cairo_image_surface_create_for_data(
-      tile_.pixels.data(), CAIRO_FORMAT_ARGB32, tile_.width, tile_.height, 4 * tile_.width));
+      tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, 4 * tile.width));
   const CairoContext context(cairo_create(surface.get()));
-  if (!painter_) painter_ = std::make_unique<TextPainter>();
-  const CairoSurface cover = cover_of(*painter_, words_, tile_);
-  const CairoSurface outline = outline_of(cover, tile_, words_.front().size / 10);
+  const CairoSurface cover = cover_of(painter, words, tile);
+  const CairoSurface outline = outline_of(cover, tile, words.front().size / 10);
   cairo_set_source_rgba(context.get(), 0, 0, 0, 0.75);
   cairo_mask_surface(context.get(), outline.get(), 0, 0);
   cairo_set_source_rgb(context.get(), 1, 1, 1);
   cairo_mask_surface(context.get(), cover.get(), 0, 0);
   cairo_surface_finish(surface.get());
-  return &tile_;
+  return tile;
+}
+
+}  // namespace
+
+Labels::Labels(Tiles tiles) : kind_(tiles) {}
+Labels::~Labels() = default;
+
+bool Labels::can_draw() noexcept { return true; }
+
+std::span<const OverlayTile> Labels::draw(std::vector<OverlayWords> words, ImageSize frame) {
+  if (words.empty() || words.front().size < kSmallest) return {};
+  if (words == words_ && frame == frame_) return tiles_;
+  if (!painter_) painter_ = std::make_unique<TextPainter>();
+  std::vector<OverlayTile> tiles;
+  if (kind_ == Tiles::kOne) {
+    tiles.push_back(draw_words(*painter_, words, frame));
+  } else {
+    for (const OverlayWords& one : words) {
+      const auto known = frame == frame_ ? std::ranges::find(words_, one) : words_.end();
+      tiles.push_back(known == words_.end()
+                          ? draw_words(*painter_, {&one, 1}, frame)
+                          : std::move(tiles_[static_cast<std::size_t>(known - words_.begin())]));
+    }
+  }
+  tiles_ = std::move(tiles);
+  words_ = std::move(words);
+  frame_ = frame;
+  return tiles_;
 }
 
 }  // namespace calvin::gst
@@ -120,13 +134,14 @@ namespace calvin::gst {
 
 class TextPainter {};
 
-PanelWords::PanelWords() = default;
-PanelWords::~PanelWords() = default;
+Labels::Labels(Tiles tiles) : kind_(tiles) {}
+Labels::~Labels() = default;
 
-bool PanelWords::can_draw() noexcept { return false; }
+bool Labels::can_draw() noexcept { return false; }
 
-const OverlayTile* PanelWords::draw(std::vector<OverlayWords> /*words*/, ImageSize /*frame*/) {
-  return nullptr;
+std::span<const OverlayTile> Labels::draw(std::vector<OverlayWords> /*words*/,
+                                          ImageSize /*frame*/) {
+  return {};
 }
 
 }  // namespace calvin::gst

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include "calvin/draw/tile_stamp.hpp"
+#include "calvin/draw/raster/tile_stamp.hpp"
 
 namespace calvin {
 

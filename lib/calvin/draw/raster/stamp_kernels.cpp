@@ -7,7 +7,7 @@
 #include "calvin/core/vector_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "calvin/draw/stamp_kernels.cpp"
+#define HWY_TARGET_INCLUDE "calvin/draw/raster/stamp_kernels.cpp"
 #include <hwy/foreach_target.h>
 // The order matters: Highway includes this file again for each target from the line above.
 #include <hwy/highway.h>
@@ -19,7 +19,7 @@
 #include <cstring>
 #include <utility>
 
-#include "calvin/draw/stamp_kernels.hpp"
+#include "calvin/draw/raster/stamp_kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::HWY_NAMESPACE {
