@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -19,6 +20,7 @@
 #include "calvin/detect/detector.hpp"
 #include "calvin/detect/tags/code_index.hpp"
 #include "calvin/solve/solve.hpp"
+#include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/target/kinds.hpp"
 #include "detect_scenes.hpp"
@@ -166,6 +168,46 @@ TEST_F(Tags, OfSeveralBoardsAreToldApart) {
       EXPECT_NEAR(seen.uv[k].u, own.uv[k].u, 0.1) << i;
       EXPECT_NEAR(seen.uv[k].v, own.uv[k].v, 0.1) << i;
     }
+  }
+}
+
+// Sheets that are found of a board in pictures of another one, or of itself.
+std::vector<std::size_t> sheets_in_pictures(const char* shown, const char* asked) {
+  const Board board = parse_board(shown).value();
+  const auto detector = make_detector(parse_board(asked).value()).value();
+  const Camera camera = default_camera({1280, 960});
+  const BoardRenderer renderer(camera);
+  const Motion motion(MotionKind::kRandom, camera, board, 0);
+  std::vector<std::size_t> sheets;
+  for (int n = 0; n < (scenes::full_count() ? 200 : 30); ++n) {
+    const GrayImage picture =
+        renderer.render(board, motion.camera_from_board(n), {.noise = 2, .blur = 0.7});
+    const auto found = detector->detect_all(picture.view());
+    sheets.push_back(static_cast<std::size_t>(
+        std::ranges::count_if(found, [](const Detection& d) { return d.observation.found(); })));
+  }
+  return sheets;
+}
+
+// A tag that was read a little beside its place is none of another sheet.
+TEST_F(Tags, OfOneBoardAreOneSheet) {
+  for (const char* board :
+       {"aruco:5x7:40mm:10mm:DICT_6X6_250", "apriltag:tag36h11:5x7:40mm:10mm"}) {
+    const auto sheets = sheets_in_pictures(board, board);
+    EXPECT_EQ(std::ranges::count(sheets, 1U), std::ssize(sheets)) << board;
+  }
+}
+
+// Of boards whose rows are alike: numbered from below, and from another tag on. Of an outermost row
+// of which nothing else was read nothing tells.
+TEST_F(Tags, OfAnotherBoardAreNoSheet) {
+  const std::pair<const char*, const char*> boards[] = {
+      {"aprilgrid:6x6:88mm:0.3", "apriltag:tag36h11:6x6:88mm:26.4mm:border=2"},
+      {"aruco:5x7:40mm:10mm:DICT_6X6_250", "aruco:5x7:40mm:10mm:DICT_6X6_250:first=12"}};
+  for (const auto& [shown, asked] : boards) {
+    const auto sheets = sheets_in_pictures(shown, asked);
+    EXPECT_GE(100 * std::ranges::count(sheets, 0U), 80 * std::ssize(sheets)) << asked;
+    EXPECT_LE(std::ranges::max(sheets), 1U) << asked;
   }
 }
 

@@ -159,16 +159,19 @@ bool TagSheet::take_if_seen(const ImageView& image, const TagReader& reader,
                             const PlacedQuad& expected, const TagBends& bends, double reach) {
   constexpr double kSmallSigma = 0.3;  // px
   constexpr double kLeastBits = 5;     // nats; a tag at another place is none of these
+  constexpr double kOfOthers = 0.7;    // of the bits: as many are alike by chance
   const TagPattern tag = pattern(reader, expected.place);
   const double width = tags_.empty() ? kUsualWidth : tags_.back().fit.width;
   const TagFit fit = fit_tag(image, expected.corners, tag, reach, bends, width);
   if (fit.sides < 2 || fit.seen() < 1) return false;
   const bool is_clear = std::ranges::all_of(fit.sigma, [](double s) { return s < kSmallSigma; });
   const TagMatch match = reader.match(image, fit.corners, tag);
+  const bool has_border = is_clear && match.border_right >= kLeastRight * match.border_seen;
+  // One that is cut by the border of the image shows what it is badly.
+  if (has_border && fit.seen() == 4 && match.right < kOfOthers * match.seen) ++others_;
   const double by_bits = evidence_of(match.seen, match.right);
   const double by_border = evidence_of(match.border_seen, match.border_right);
-  if (!is_clear || match.right < kLeastRight * match.seen ||
-      match.border_right < kLeastRight * match.border_seen ||
+  if (!has_border || match.right < kLeastRight * match.seen ||
       by_bits + by_border < kLeastEvidence) {
     return false;
   }

@@ -67,6 +67,8 @@ class TagSheet {
   [[nodiscard]] Point centre() const;
   // Tags whose bits tell them from others.
   [[nodiscard]] int certain_tags() const;
+  // Where its tags let others be expected, how many tags there are that are not those of the board.
+  [[nodiscard]] std::size_t others() const { return others_; }
   // nats: how unlikely it is that these tags lie so by chance, where so many quads were read.
   [[nodiscard]] double evidence(std::span<const ReadTag> read, const TagReader& reader,
                                 std::size_t quads) const;
@@ -97,6 +99,7 @@ class TagSheet {
 
   const TagGrid* board_;
   std::vector<SheetTag> tags_;
+  std::size_t others_ = 0;
   double scatter_ = 1;  // the errors of corners beside their sigmas
 };
 

@@ -100,8 +100,15 @@ std::vector<std::size_t> TagSearch::tags_of(const TagGrid& board) const {
   return all;
 }
 
+std::vector<NamedQuad> TagSearch::read_quads() const {
+  std::vector<NamedQuad> read;
+  for (const ReadTag& tag : tags_) read.push_back({tag.id, tag.fit.corners});
+  return read;
+}
+
 // Adds the sheet of the most tags that are left. False where there is none.
 bool TagSearch::add_largest(const ImageView& image) {
+  const std::vector<NamedQuad> read = read_quads();
   std::optional<FoundTags> best;
   std::size_t rivals = 0;
   for (const WantedTags& wanted : boards_) {
@@ -112,6 +119,7 @@ bool TagSearch::add_largest(const ImageView& image) {
       TagSheet sheet(wanted.board);
       sheet.grow(tags_, seed);
       for (const SheetTag& t : sheet.tags()) tried[*t.read] = true;
+      if (is_of_another_board(sheet, read)) continue;
       const std::size_t count = sheet.tags().size();
       if (!best || count > best->sheet.tags().size()) {
         best = FoundTags{wanted.kind, sheet};
@@ -126,17 +134,42 @@ bool TagSearch::add_largest(const ImageView& image) {
   const double chances = std::log(static_cast<double>(rivals + 1));
   if (best->sheet.evidence(tags_, reader_, quads_) < kLeastEvidence + chances) return true;
   best->sheet.complete(image, reader_);
-  const TagGrid& board = best->sheet.board();
-  const int fewest = std::min(2, board.cols * board.rows);
-  if (best->sheet.certain_tags() >= fewest) sheets_.push_back(std::move(*best));
+  // Read as a tag of the sheet too far away from where the others let it be expected.
+  for (ReadTag& tag : tags_) tag.taken = tag.taken || lies_on(best->sheet, tag.fit.corners);
+  (is_sheet(best->sheet) ? sheets_ : refused_).push_back(std::move(*best));
   return true;
+}
+
+// Whether the tags of a sheet are enough, and no other sheet has them.
+bool TagSearch::is_sheet(const TagSheet& sheet) const {
+  const TagGrid& board = sheet.board();
+  if (sheet.certain_tags() < std::min(2, board.cols * board.rows)) return false;
+  if (is_among_others(sheet)) return false;
+  return std::ranges::none_of(sheets_,
+                              [&](const FoundTags& other) { return overlap(other.sheet, sheet); });
 }
 
 void TagSearch::make_sheets(Pyramid& pyramid, const std::stop_token& stop) {
   sheets_.clear();
+  refused_.clear();
   for (ReadTag& tag : tags_) tag.taken = false;
   while (!stop.stop_requested() && add_largest(pyramid.level(0))) {
   }
+  drop_rows_of_others();
+}
+
+// Of another board that was hardly read each row may have become a sheet of its own.
+void TagSearch::drop_rows_of_others() {
+  std::vector<NamedQuad> seen = read_quads();
+  for (const auto* sheets : {&sheets_, &refused_}) {
+    for (const FoundTags& found : *sheets) {
+      const TagGrid& board = found.sheet.board();
+      for (const SheetTag& tag : found.sheet.tags()) {
+        seen.push_back({board.tag_in(tag.place.col, tag.place.row), tag.fit.corners});
+      }
+    }
+  }
+  std::erase_if(sheets_, [&](const FoundTags& f) { return is_of_another_board(f.sheet, seen); });
 }
 
 bool TagSearch::follow(const ImageView& image, std::size_t kind,

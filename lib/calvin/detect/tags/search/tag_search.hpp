@@ -11,6 +11,7 @@
 
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/tags/quads.hpp"
+#include "calvin/detect/tags/search/sheet_conflicts.hpp"
 #include "calvin/detect/tags/tag_reader.hpp"
 #include "calvin/detect/tags/tag_sheet.hpp"
 
@@ -55,13 +56,17 @@ class TagSearch {
   [[nodiscard]] bool is_known(const Quad& quad) const;
   void read_quad(Pyramid& pyramid, int level, const Quad& quad);
   [[nodiscard]] std::vector<std::size_t> tags_of(const TagGrid& board) const;
+  [[nodiscard]] std::vector<NamedQuad> read_quads() const;
   [[nodiscard]] bool add_largest(const ImageView& image);
+  [[nodiscard]] bool is_sheet(const TagSheet& sheet) const;
+  void drop_rows_of_others();
 
   std::vector<WantedTags> boards_;
   TagReader reader_;
   std::vector<ReadTag> tags_;
   std::size_t quads_ = 0;  // that may have been tags
   std::vector<FoundTags> sheets_;
+  std::vector<FoundTags> refused_;
 };
 
 }  // namespace calvin::detect

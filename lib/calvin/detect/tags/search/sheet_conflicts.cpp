@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Compares tags by where they lie.
+
+#include "calvin/detect/tags/search/sheet_conflicts.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace calvin::detect {
+
+namespace {
+
+constexpr std::size_t kOneOf = 8;  // of the tags of a sheet: one of many may be misread
+
+// Where the sides of a tag let the one be expected that is so many columns and rows from it.
+Quad next_to(const Quad& tag, int cols, int rows, double pitch) {
+  const Point across[2] = {tag[1] - tag[0],
+                           tag[2] - tag[3]};                 // along the upper side, the lower one
+  const Point down[2] = {tag[3] - tag[0], tag[2] - tag[1]};  // along the left side, the right one
+  Quad next;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Point& right = across[i < 2 ? 0 : 1];
+    const Point& below = down[i == 0 || i == 3 ? 0 : 1];
+    next[i] = tag[i] + pitch * (cols * right + rows * below);
+  }
+  return next;
+}
+
+bool is_near(const Quad& a, const Quad& b) {
+  constexpr double kOff = 0.25;  // of the shortest side
+  const double off = kOff * shortest_side(a);
+  for (std::size_t i = 0; i < 4; ++i) {
+    if ((a[i] - b[i]).norm() > off) return false;
+  }
+  return true;
+}
+
+// Whether the tag has no place there on the board of the sheet.
+bool is_foreign(const TagGrid& board, GridPlace at, int id) {
+  const bool is_inside = at.col >= 0 && at.row >= 0 && at.col < board.cols && at.row < board.rows;
+  return !is_inside || board.tag_in(at.col, at.row) != id;
+}
+
+bool contradicts(const TagSheet& sheet, const NamedQuad& tag) {
+  const TagGrid& board = sheet.board();
+  const double pitch = 1 + board.gap / board.tag;
+  return std::ranges::any_of(sheet.tags(), [&](const SheetTag& own) {
+    for (const GridPlace way : {GridPlace{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      const GridPlace at{own.place.col + way.col, own.place.row + way.row};
+      if (is_foreign(board, at, tag.id) &&
+          is_near(next_to(own.fit.corners, way.col, way.row, pitch), tag.corners)) {
+        return true;
+      }
+    }
+    return false;
+  });
+}
+
+}  // namespace
+
+bool lies_on(const TagSheet& sheet, const Quad& tag) {
+  constexpr double kNear = 0.3;  // of the shortest side
+  const Point centre = centre_of(tag);
+  return std::ranges::any_of(sheet.tags(), [&](const SheetTag& own) {
+    return (centre_of(own.fit.corners) - centre).norm() < kNear * shortest_side(own.fit.corners);
+  });
+}
+
+bool overlap(const TagSheet& a, const TagSheet& b) {
+  return std::ranges::any_of(b.tags(),
+                             [&](const SheetTag& tag) { return lies_on(a, tag.fit.corners); });
+}
+
+bool is_of_another_board(const TagSheet& sheet, std::span<const NamedQuad> seen) {
+  if (sheet.board().cols * sheet.board().rows == 1) return false;
+  const auto count = static_cast<std::size_t>(
+      std::ranges::count_if(seen, [&](const NamedQuad& tag) { return contradicts(sheet, tag); }));
+  return count > 0 && kOneOf * count >= sheet.tags().size();
+}
+
+bool is_among_others(const TagSheet& sheet) {
+  constexpr std::size_t kFewest = 2;  // the bits of one may be covered
+  return sheet.others() >= kFewest && kOneOf * sheet.others() >= sheet.tags().size();
+}
+
+}  // namespace calvin::detect
