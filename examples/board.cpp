@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -112,11 +113,15 @@ int draw(std::span<char*> arguments) {
   }
   calvin::DrawingOptions options;
   bool is_tiled = false;
+  bool has_paper = false;
   for (std::size_t i = 2; i < arguments.size(); i += 2) {
     const std::string_view name = arguments[i];
     const std::string_view value = arguments[i + 1];
     const auto number = calvin::parse_double(value);
     if (name == "--paper" || name == "--tiled") {
+      if (std::exchange(has_paper, true)) {
+        return wrong_usage("a drawing has either one --paper or is --tiled over several.");
+      }
       options.paper = value;
       is_tiled = name == "--tiled";
     } else if (name == "--dpi" && number) {

@@ -62,7 +62,7 @@ Error too_few_views(std::size_t views, int least, const Refusals& refused,
       ErrorCode::kDegenerate,
       fmt::format("No calibration: {} taken, at least {} are needed. Show the whole board, flat "
                   "and sharp, in different places and tilts, and check that the property "
-                  "`board` tells its inner corners.{}{}",
+                  "`board` is the text of this board (calvin-board identify PICTURE tells it).{}{}",
                   views == 0   ? "no view of the board was"
                   : views == 1 ? "only one view of the board was"
                                : fmt::format("only {} views of the board were", views),

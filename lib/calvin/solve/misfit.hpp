@@ -25,6 +25,7 @@ struct Misfit {
   // What was found; where it is in the covariance and `cause` is none, a remark.
   Cause noticed = Cause::kNone;
   double lens_residual = 0;     // px: what residuals in parts of the picture have beyond noise
+  double board_residual = 0;    // px: what residuals of the corners of a board have beyond noise
   double split_half_ratio = 1;  // `halves` of docs/conventions.md; 1 where one view has none
 
   [[nodiscard]] bool found() const { return cause != Cause::kNone; }

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -64,13 +66,21 @@ std::string CircleGrid::text() const {
 
 Status CircleGrid::check() const {
   if (const Status status = grid().check(); !status) return status;
+  const auto refuse = [](std::string why) {
+    return make_error(ErrorCode::kInvalidArgument, std::move(why));
+  };
   for (const auto* marks : {&rings, &large}) {
     for (const GridPlace p : *marks) {
-      if (grid().contains(p) && !(marks == &rings && holds(large, p))) continue;
-      return make_error(ErrorCode::kInvalidArgument,
-                        fmt::format("A board of {}x{} dots has no mark at column {}, row {}.", cols,
-                                    rows, p.col, p.row));
+      if (grid().contains(p)) continue;
+      return refuse(fmt::format("A board of {}x{} dots has no dot at column {}, row {}.", cols,
+                                rows, p.col, p.row));
     }
+  }
+  for (const GridPlace p : rings) {
+    if (!holds(large, p)) continue;
+    return refuse(fmt::format(
+        "The dot at column {}, row {} is either a ring or larger than the others, not both.", p.col,
+        p.row));
   }
   return {};
 }

@@ -61,7 +61,11 @@ Status TagGrid::check() const {
   }
   // What is between two tags has to be seen where a bit of them can be read.
   if (!(2 * gap * cells() >= tag))
-    return refuse("gaps are at least half as wide as a bit of a tag");
+    return refuse(fmt::format("{} at least half as wide as a bit of a tag, {}",
+                              cols * rows > 1
+                                  ? "gaps are"
+                                  : "what is free around a single tag, in the place of the gap, is",
+                              length_text(tag / cells() / 2)));
   constexpr double kRounded = 1e-6;  // of a tag: texts have lengths to a nanometre
   if (cols * rows > 1 && gap < (least_gap_share() - kRounded) * tag) {
     return refuse(fmt::format(

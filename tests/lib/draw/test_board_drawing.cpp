@@ -51,6 +51,25 @@ TEST(BoardLayout, OfALightIsNone) {
   EXPECT_FALSE(draw_board(board_of("dot"), {}).has_value());
 }
 
+TEST(BoardLayout, OfPointsIsOneWhereTheyAreDotsOfASheet) {
+  using Dot = PointBoard::Dot;
+  const auto refused = [](std::vector<Dot> dots) {
+    const Board board = PointBoard::make("plate", std::move(dots)).value();
+    const auto page = lay_out_board(board, "fit");
+    return page ? std::string() : page.error().message;
+  };
+  const double size = 0.01;
+  const std::vector<Dot> dots = {
+      {0, 0, 0, size}, {1, 0.05, 0, size}, {2, 0, 0.05, size}, {3, 0.05, 0.05, size}};
+  EXPECT_EQ(refused(dots), "");
+  std::vector<Dot> raised = dots;
+  raised[3].z = 0.02;
+  EXPECT_NE(refused(raised).find("not on a sheet: there is nothing to print"), std::string::npos);
+  std::vector<Dot> points = dots;
+  for (Dot& dot : points) dot.diameter = 0;
+  EXPECT_NE(refused(points).find("without a size: there is nothing to print"), std::string::npos);
+}
+
 TEST(BoardLayout, TheBorderIsAtLeastHalfASquare) {
   for (const char* text : {"checkerboard:9x6:25mm", "checkerboard:6x9:25mm", "checkerboard:4x3:8mm",
                            "checkerboard:20x14:1in", "checkerboard:3x2:100mm"}) {

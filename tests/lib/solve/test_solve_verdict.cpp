@@ -143,6 +143,21 @@ TEST(Verdict, WhatThePromiseDoesNotHoldIsAMisfitOfAnySize) {
   EXPECT_EQ(misfit(lens, 1, kDegrees, 0.1, {0.033, 0.033, {}}).cause, Cause::kNone);
 }
 
+// No sheet of paper is off by so much: the text is of another board.
+TEST(Verdict, CornersFarFromWhereTheTextHasThemAreAMisfit) {
+  const ChiSquare noise = {100, 100};
+  FitDiagnostics off = statistics(noise, noise, {900, 100});
+  off.bends_known = true;
+  const PromiseParts promise = {0.2, 0.2, {}};
+  // 800 of 1000, of an rms of 1.1 and 1.2 px.
+  EXPECT_EQ(misfit(off, 1, kDegrees, 1.1, promise).cause, Cause::kNone);
+  const Misfit found = misfit(off, 1, kDegrees, 1.2, promise);
+  EXPECT_EQ(found.cause, Cause::kBoard);
+  EXPECT_NEAR(found.board_residual, 1.2 * std::sqrt(0.8), 1e-9);
+  EXPECT_NE(explain(found, off, 1, promise).find("all views agree on 1.1 px. See that its sides"),
+            std::string::npos);
+}
+
 // Blamed is what the promise would be without.
 TEST(Verdict, IsTheBoardOnlyWhereAMeasuredOneWouldHelp) {
   const ChiSquare noise = {100, 100};

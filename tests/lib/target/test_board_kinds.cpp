@@ -211,8 +211,8 @@ TEST(CircleGrids, LookLikeThoseOfAnotherSizeWithTheSameMarks) {
 }
 
 TEST(CircleGrids, OfWrongMarksThereAreNone) {
-  for (const auto& [text, why] : {std::pair{"dots:7x5:30mm:rings=7.0", "no mark at column 7"},
-                                  {"dots:7x5:30mm:rings=1.1:big=1.1", "no mark at column 1"},
+  for (const auto& [text, why] : {std::pair{"dots:7x5:30mm:rings=7.0", "no dot at column 7"},
+                                  {"dots:7x5:30mm:rings=1.1:big=1.1", "not both"},
                                   {"dots:7x5:30mm:rings=1", "COLUMN.ROW"},
                                   {"dots:7x5:30mm:rings=", "COLUMN.ROW"},
                                   {"dots:7x5:30mm:holes=1.1", "rings="},

@@ -87,6 +87,11 @@ TEST(TagFamilies, HaveTextsAndGapsForTheirBits) {
         {"apriltag:tagCircle21h7:2x2:50mm:50mm:first=36", "has 38"},
         {"apriltag:tagStandard52h13:25mm:3=0,0+7=41mm,0", "lie over each other"},
         {"apriltag:tagStandard42h12:4x3:50mm:50mm", "there is no dictionary"},
+        {"apriltag:tagcircle21h7:1x1:50mm:1mm",
+         "there is no dictionary 'tagcircle21h7', but "
+         "'tagCircle21h7'"},
+        {"apriltag:tagCircle21h7:1x1:50mm:1mm", "what is free around a single tag"},
+        {"apriltag:tag36h11:2x1:50mm:1mm", "gaps are at least half as wide as a bit"},
         {"aruco:4x3:50mm:50mm:tagStandard41h12", "apriltag:tagStandard41h12:..."},
         {"aprilgrid:4x3:50mm:0.3:tagStandard41h12", "apriltag:tagStandard41h12:..."},
         {"charuco:5x7:40mm:20mm:tagStandard41h12", "apriltag:tagStandard41h12:..."}}) {

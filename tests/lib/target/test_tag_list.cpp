@@ -42,17 +42,18 @@ TEST(TagList, HasATextAndCornersByTheIdsOfItsTags) {
   // Of one tag two lists cannot both be.
   EXPECT_TRUE(board.looks_like(parse_board("apriltag:tag36h11:10mm:7=0,0+9=1m,1m").value()));
   EXPECT_FALSE(board.looks_like(parse_board("apriltag:tag36h11:80mm:4=0,0").value()));
-  for (const auto& [text, why] : {std::pair{"apriltag:tag36h11:80mm", "tags with their places"},
-                                  {"apriltag:tag36h11:80mm:3", "not ID=X,Y"},
-                                  {"apriltag:tag36h11:80mm:3=0", "none of X,Y"},
-                                  {"apriltag:tag36h11:80mm:3=0,5", "not a length"},
-                                  {"apriltag:tag36h11:80mm:3=0,0,400", "degrees"},
-                                  {"apriltag:tag36h11:80mm:3=0,0+3=1m,1m", "given twice"},
-                                  {"apriltag:tag36h11:80mm:3=0,0+4=70mm,0", "lie over each other"},
-                                  {"apriltag:tag36h11:80mm:600=0,0", "has 587"},
-                                  {"apriltag:tag36h11:80mm:3=0,0:first=3", "none of 'border='"},
-                                  {"aruco:80mm:3=0,0:DICT_NONE", "no dictionary 'DICT_NONE'"},
-                                  {"apriltag:tag36h11:80mm:3=0,2000m", "farther away"}}) {
+  for (const auto& [text, why] :
+       {std::pair{"apriltag:tag36h11:80mm", "tags with their places"},
+        {"apriltag:tag36h11:80mm:3", "not ID=X,Y"},
+        {"apriltag:tag36h11:80mm:3=0", "none of X,Y"},
+        {"apriltag:tag36h11:80mm:3=0,5", "not a length"},
+        {"apriltag:tag36h11:80mm:3=0,0,400", "degrees"},
+        {"apriltag:tag36h11:80mm:3=0,0+3=1m,1m", "given twice"},
+        {"apriltag:tag36h11:80mm:3=0,0+4=70mm,0", "lie over each other"},
+        {"apriltag:tag36h11:80mm:600=0,0", "has no tag 600, but 0 to 586"},
+        {"apriltag:tag36h11:80mm:3=0,0:first=3", "none of 'border='"},
+        {"aruco:80mm:3=0,0:DICT_NONE", "no dictionary 'DICT_NONE'"},
+        {"apriltag:tag36h11:80mm:3=0,2000m", "farther away"}}) {
     const auto refused = parse_board(text);
     ASSERT_FALSE(refused) << text;
     EXPECT_NE(refused.error().message.find(why), std::string::npos) << refused.error().message;

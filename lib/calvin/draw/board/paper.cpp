@@ -66,6 +66,16 @@ Status check_printable(const Board& board) {
                     "the spot of a laser pointer or a wand of LEDs before the cameras.",
                     board.text()));
   }
+  if (const auto* points = board.as<PointBoard>()) {
+    const auto is_dot = [](const PointBoard::Dot& dot) { return dot.diameter > 0; };
+    if (!points->is_flat() || std::ranges::none_of(points->dots(), is_dot)) {
+      return make_error(
+          ErrorCode::kInvalidArgument,
+          fmt::format("The points of {} are {}: there is nothing to print. Round dots in the plane "
+                      "z = 0 are printed, each with a diameter in the file.",
+                      board.text(), points->is_flat() ? "without a size" : "not on a sheet"));
+    }
+  }
   const auto* list = board.as<TagList>();
   if (list != nullptr && !list->is_flat()) {
     return make_error(ErrorCode::kInvalidArgument,

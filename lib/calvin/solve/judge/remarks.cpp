@@ -91,8 +91,15 @@ Misfit::Cause noticed(const FitDiagnostics& diagnostics, std::optional<double> c
   return noisy ? Misfit::Cause::kNoise : Misfit::Cause::kNone;
 }
 
+// Whether corners are so far from where the text of the board has them that it may be of another
+// board: offsets of a printed one are far less.
+bool is_of_another_text(const Misfit& misfit) {
+  return misfit.noticed == Misfit::Cause::kBoard && misfit.board_residual > kPixel;
+}
+
 // Whether the promise holds what was noticed.
 bool is_held(const Misfit& misfit, const FitDiagnostics& diagnostics, const PromiseParts& promise) {
+  if (is_of_another_text(misfit)) return false;
   if (misfit.noticed == Misfit::Cause::kBoard) return diagnostics.bends_known;
   if (misfit.noticed == Misfit::Cause::kModel) return misfit.lens_residual < promise.all;
   return true;
@@ -124,6 +131,12 @@ std::string finding(Misfit::Cause cause, const Misfit& misfit, const FitDiagnost
           "have.",
           misfit.lens_residual);
     case Misfit::Cause::kBoard:
+      if (is_of_another_text(misfit)) {
+        return fmt::format(
+            "The corners of the board are not where its text has them: all views agree on {:.2g} "
+            "px. See that its sides, gaps and numbers are those of the text.",
+            misfit.board_residual);
+      }
       if (!(diagnostics.board_variance > 0)) {
         return "The corners of the board are not where they were printed.";
       }
@@ -160,8 +173,11 @@ Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi, doub
               double rms, const PromiseParts& promise) {
   Misfit result;
   result.split_half_ratio = diagnostics.split_half_ratio;
-  const double pattern = (diagnostics.picture.sum - diagnostics.picture.degrees) / degrees;
-  result.lens_residual = rms * std::sqrt(std::max(pattern, 0.0));
+  const auto beyond_noise = [&](const ChiSquare& c) {
+    return rms * std::sqrt(std::max((c.sum - c.degrees) / degrees, 0.0));
+  };
+  result.lens_residual = beyond_noise(diagnostics.picture);
+  result.board_residual = beyond_noise(diagnostics.board);
   result.noticed = noticed(diagnostics, chi, degrees, rms);
   const bool grown = promise.all > kMuchWorse * promise.by_noise || chi.value_or(1) > kMuchNoise;
   if (!is_held(result, diagnostics, promise)) {

@@ -135,6 +135,11 @@ Status TagList::check() const {
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const Tag& tag = tags[i];
     if (!is_number(tag)) return refuse(fmt::format("the tag {} has no place", tag.id));
+    const auto known = static_cast<int>(dictionary->codes.size());
+    if (tag.id < 0 || tag.id >= known) {
+      return refuse(
+          fmt::format("{} has no tag {}, but 0 to {}", dictionary->name, tag.id, known - 1));
+    }
     if (const Status status = grid_of(tag).check(); !status) return status;
     if (i > 0 && tags[i - 1].id >= tag.id) {
       return refuse(fmt::format("the tag {} is given twice, or before one of a lower id", tag.id));

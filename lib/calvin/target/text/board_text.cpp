@@ -265,6 +265,11 @@ Result<Board> parse_board(std::string_view text) {
                             "a file of board names needs the name too, as in boards.json#floor");
   }
   const KindOfText* kind = kind_of_text(text);
+  if (fields[0] == "auto") {
+    return wrong_board_text(text,
+                            "'auto' stands alone, for calibdetect, calibrate and "
+                            "calvin-calibrate-images, which find out what board it is");
+  }
   if (kind == nullptr) {
     return wrong_board_text(text, fmt::format("there is no kind of board called '{}'", fields[0]));
   }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -59,11 +60,22 @@ std::optional<tl::unexpected<Error>> explain_missing_library(std::string_view na
                   name, join(boards, ", ")));
 }
 
+// But for capitals.
+bool are_alike(std::string_view a, std::string_view b) {
+  const auto small = [](unsigned char c) { return std::tolower(c); };
+  return std::ranges::equal(a, b, {}, small, small);
+}
+
 Result<const MarkerDictionary*> parse_dictionary(std::string_view name) {
   if (const MarkerDictionary* dictionary = find_dictionary(name)) return dictionary;
   if (auto missing = explain_missing_library(name)) return *std::move(missing);
   std::vector<std::string> names;
   for (const MarkerDictionary& known : marker_dictionaries()) names.emplace_back(known.name);
+  const auto meant = std::ranges::find_if(
+      names, [name](const std::string& known) { return are_alike(known, name); });
+  if (meant != names.end()) {
+    return refuse_text(fmt::format("there is no dictionary '{}', but '{}'", name, *meant));
+  }
   return refuse_text(
       fmt::format("there is no dictionary '{}'; known are {}", name, join(names, ", ")));
 }
