@@ -121,6 +121,9 @@ void load_fonts(State& state) {
   constexpr ImageSize kAny{640, 480};
   state.caption.draw({"Words", kAny, {0, kAny.width}}, gst::Caption::Place::kBottom);
   state.panel_words.draw(overlay_panel_words(kAny, Progress{}, PanelSide::kLeft), kAny);
+  Progress with_point;
+  with_point.points = {{0, {0.5, 0.5}}};
+  state.point_numbers.draw(overlay_point_numbers(kAny, with_point), kAny);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ inline std::vector<NamedBoard> board_of_each_kind() {
   std::vector<NamedBoard> all;
   for (const auto& [name, text] : {
            std::pair{"Checkerboard", "checkerboard:4x3:100mm"},
-           {"MarkedCheckerboard", "checkerboard:5x4:60mm:circles"},
+           {"MarkedCheckerboard", "checkerboard:6x5:50mm:circles"},
            {"PuzzleBoard", "puzzle:6x5:20mm"},
            {"PuzzleBoardWithin", "puzzle:4x5:20mm:317,90"},
            {"CharucoBoard", "charuco:5x4:40mm:30mm:DICT_4X4_50"},

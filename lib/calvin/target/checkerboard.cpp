@@ -87,6 +87,14 @@ Status MarkedCheckerboard::check() const {
         i == 0 || std::pair(circles[i - 1].row, circles[i - 1].col) < std::pair(p.row, p.col);
     if (!is_in_order) return refuse("a circle is named twice, or before one that is above it");
   }
+  // Of fewer squares with and without circles too many arrangements would be one by chance.
+  constexpr int kFewestSquares = 20;
+  if (const int squares = (cols - 1) * (rows - 1); squares < kFewestSquares) {
+    return refuse(fmt::format(
+        "it has {} squares between its inner corners, at least {} are needed for circles to name "
+        "corners",
+        squares, kFewestSquares));
+  }
   for (const int quarters : {1, 2, 3}) {
     if (look_the_same(circles, quarters)) {
       return refuse("its circles look the same when the board is turned");

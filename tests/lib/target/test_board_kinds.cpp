@@ -130,6 +130,7 @@ TEST(MarkedCheckerboards, HaveCirclesThatTellTheirTurn) {
   EXPECT_TRUE(board.looks_like(parse_board("checkerboard:9x6:10mm:circles").value()));
   EXPECT_FALSE(board.looks_like(parse_board("checkerboard:9x6:25mm").value()));
   EXPECT_FALSE(board.looks_like(parse_board("checkerboard:9x6:25mm:circles=1.1+2.1+1.2").value()));
+  EXPECT_TRUE(parse_board("checkerboard:6x5:25mm:circles"));
   // On squares of both colours, in a row of which half is turned: told by the colours.
   EXPECT_TRUE(parse_board("checkerboard:9x6:25mm:circles=1.1+2.1+3.1+4.1"));
   for (const auto& [text, why] :
@@ -140,6 +141,7 @@ TEST(MarkedCheckerboards, HaveCirclesThatTellTheirTurn) {
         {"checkerboard:9x6:25mm:circles=9.1+2.1+1.2", "not between four inner corners"},
         {"checkerboard:9x6:25mm:circles=1+2+3", "COLUMN.ROW"},
         {"checkerboard:9x6:25mm:dots", "neither 'circles'"},
+        {"checkerboard:7x4:25mm:circles", "at least 20 are needed"},
         {"checkerboard:2x3:25mm:circles", "not between four inner corners"}}) {
     const auto refused = parse_board(text);
     ASSERT_FALSE(refused) << text;

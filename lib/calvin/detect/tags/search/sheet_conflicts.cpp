@@ -6,6 +6,7 @@
 #include "calvin/detect/tags/search/sheet_conflicts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace calvin::detect {
@@ -16,9 +17,8 @@ constexpr std::size_t kOneOf = 8;  // of the tags of a sheet: one of many may be
 
 // Where the sides of a tag let the one be expected that is so many columns and rows from it.
 Quad next_to(const Quad& tag, int cols, int rows, double pitch) {
-  const Point across[2] = {tag[1] - tag[0],
-                           tag[2] - tag[3]};                 // along the upper side, the lower one
-  const Point down[2] = {tag[3] - tag[0], tag[2] - tag[1]};  // along the left side, the right one
+  const std::array<Point, 2> across = {tag[1] - tag[0], tag[2] - tag[3]};  // the upper side first
+  const std::array<Point, 2> down = {tag[3] - tag[0], tag[2] - tag[1]};    // the left side first
   Quad next;
   for (std::size_t i = 0; i < 4; ++i) {
     const Point& right = across[i < 2 ? 0 : 1];
