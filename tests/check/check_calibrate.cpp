@@ -263,7 +263,9 @@ GST_START_TEST(test_only_a_live_stream_comes_before_detector_and_solver) {
                            "overlay=false board=checkerboard:9x6:25mm ! fakesink");
   pipeline.set_state(GST_STATE_PLAYING);
   pipeline.wait_for("calib-result");
-  fail_unless_equals_int(low_threads(), live ? 2 : 0);
+  // The updater of calibsolve may have had something to do, too.
+  const int low = low_threads();
+  fail_unless(live ? low >= 2 : low == 0, "%d threads are low", low);
 }
 GST_END_TEST;
 
