@@ -15,6 +15,8 @@
 #include <gtest/gtest.h>
 
 #include "calvin/detect/detector.hpp"
+#include "calvin/solve/pose.hpp"
+#include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/target/kinds.hpp"
 
@@ -184,6 +186,27 @@ TEST_P(Grids, AreWholeWhereRowsAreMissingAndDirtLies) {
   EXPECT_GE(c.found, 0.98 * c.truly - (is_lines() ? 3.2 : 1.4) * hidden)
       << c.truly << " " << hidden;
   EXPECT_LE(c.others, hidden / 4);
+}
+
+// Thousands of dots that are 4 px apart where they are far: the next one may be that of the next
+// row, and a row may go on as another one. Fitted to the true camera, each is near its place.
+TEST(GridsAtAFlatAngle, KeepTheirNumbers) {
+  constexpr ImageSize kSmall = {643, 481};
+  const Camera camera = default_camera(kSmall);
+  const Board board = board_of("dots:10mm");
+  const Motion motion(MotionKind::kOrbit, camera, board, 7);
+  const BoardRenderer renderer(camera);
+  const auto detector = make_detector(board).value();
+  for (const int n : {6, 7, 10, 11, 13, 20, 21, 23, 25, 50}) {
+    const GrayImage picture =
+        renderer.render(board, motion.camera_from_board(n),
+                        {.noise = 2, .blur = 0.7, .seed = static_cast<std::uint64_t>(n)});
+    const Observation seen = detector->detect(picture.view()).observation;
+    EXPECT_GT(seen.ids.size(), 2000U) << n;
+    PoseQuality quality;
+    ASSERT_TRUE(solve_pose(camera, board, seen, &quality)) << n;
+    EXPECT_LT(quality.rms, 0.1) << n;
+  }
 }
 
 TEST(GridsThatAreNone, AreNotFound) {

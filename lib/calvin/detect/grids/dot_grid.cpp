@@ -71,9 +71,9 @@ Observation find_dot_grid(Pyramid& pyramid, const CirclePattern& pattern,
   for (int level = pyramid.levels() - 1; level >= 0 && !stop.stop_requested(); --level) {
     search.add(pyramid, level, pattern.is_light(), discs);
   }
-  const auto lattice = grid_lattice(discs, stop);
-  if (!lattice) return {};
   const ImageView& image = pyramid.level(0);
+  const auto lattice = grid_lattice(discs, image_center(image.size()), stop);
+  if (!lattice) return {};
   DiscSheet sheet;
   if (!sheet.fit(image, *lattice, kFewestGridPoints, {}) || !sheet.are_round(image) ||
       !are_even(sheet.lattice()) || !stand_apart(image, sheet.lattice())) {

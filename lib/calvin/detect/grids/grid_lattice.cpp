@@ -26,6 +26,14 @@ struct Point {
 };
 using Part = std::vector<Point>;
 
+Pixel pixel_of(const Cell& cell) {
+  return {static_cast<double>(cell.col), static_cast<double>(cell.row)};
+}
+
+std::size_t share_of(std::size_t count, double share) {
+  return static_cast<std::size_t>(share * static_cast<double>(count));
+}
+
 // All lattices of the image, the largest first.
 std::vector<Part> parts_of(std::span<const Ellipse> points, const std::stop_token& stop) {
   constexpr int kFewestOfPart = 9;
@@ -129,6 +137,89 @@ Part join(std::vector<Part> parts) {
   return all;
 }
 
+// How rows and columns lie to each other on the grid by the shapes of the discs, which are circles
+// there: the products of the steps along them, over the radius squared. By the larger half of the
+// discs, whose shapes are told best.
+Eigen::Matrix2d steps_by_shape(const Part& part) {
+  const DiscLattice lattice = lattice_of(part);
+  Part larger = part;
+  const auto half = larger.begin() + static_cast<std::ptrdiff_t>(larger.size() / 2);
+  std::ranges::nth_element(larger, half, std::ranges::greater{},
+                           [](const Point& p) { return p.ellipse.determinant(); });
+  larger.erase(half, larger.end());
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  for (const Point& p : larger) {
+    const Ellipse& e = p.ellipse;
+    const Ellipse* right = lattice.at(p.cell + Cell{1, 0});
+    const Ellipse* below = lattice.at(p.cell + Cell{0, 1});
+    if (right == nullptr || below == nullptr) continue;
+    Eigen::Matrix2d steps;
+    steps << right->x - e.x, below->x - e.x, right->y - e.y, below->y - e.y;
+    Eigen::Matrix2d shape;
+    shape << e.yy, -e.xy, -e.xy, e.xx;
+    sum += steps.transpose() * shape * steps / e.determinant();
+  }
+  return sum;
+}
+
+// Where a board is seen at a flat angle the next disc may be that of the next row and column. Cells
+// of rows and columns that are at right angles, by the reduction of Lagrange and Gauss.
+Part with_square_cells(Part part) {
+  constexpr int kMost = 4;  // steps of the reduction
+  for (int i = 0; i < kMost; ++i) {
+    const Eigen::Matrix2d g = steps_by_shape(part);
+    if (!(g(0, 0) > 0) || !(g(1, 1) > 0)) return part;
+    const bool is_row_shorter = g(0, 0) <= g(1, 1);
+    const double off = g(0, 1) / (is_row_shorter ? g(0, 0) : g(1, 1));
+    const int steps = static_cast<int>(std::lround(off));
+    if (steps == 0) return part;
+    // The longer step is shorter by so many of the other one.
+    for (Point& p : part) {
+      (is_row_shorter ? p.cell.col : p.cell.row) +=
+          steps * (is_row_shorter ? p.cell.row : p.cell.col);
+    }
+  }
+  return part;
+}
+
+// The points whose cells are those that a lens lets be expected. Where discs are small and many one
+// may be missed, and a row goes on as the next one: the grid is followed from the largest discs on,
+// which are the nearest ones, and what does not go on as they do is left out.
+Part as_a_lens_has_them(Part part, const Pixel& middle) {
+  constexpr double kShares[] = {0.5, 0.7, 0.85, 1};
+  constexpr double kOff = 0.3;  // of the way to the next cell
+  constexpr std::size_t kMany = 200;
+  if (part.size() < kMany) return part;
+  std::ranges::stable_sort(part, std::ranges::greater{},
+                           [](const Point& p) { return p.ellipse.determinant(); });
+  std::vector<bool> is_kept(part.size(), true);
+  for (std::size_t i = 0; i + 1 < std::size(kShares); ++i) {
+    std::vector<Pixel> cells;
+    std::vector<Pixel> seen;
+    for (std::size_t k = 0; k < share_of(part.size(), kShares[i]); ++k) {
+      if (!is_kept[k]) continue;
+      cells.push_back(pixel_of(part[k].cell));
+      seen.push_back({part[k].ellipse.x, part[k].ellipse.y});
+    }
+    const auto map = LensMap::fit(cells, seen, middle);
+    if (!map) return part;
+    for (std::size_t k = 0; k < share_of(part.size(), kShares[i + 1]); ++k) {
+      const Pixel own = map->image_of(pixel_of(part[k].cell));
+      const Pixel next = map->image_of({part[k].cell.col + 1.0, part[k].cell.row + 0.0});
+      const Pixel below = map->image_of({part[k].cell.col + 0.0, part[k].cell.row + 1.0});
+      const double step = std::min(std::hypot(next.u - own.u, next.v - own.v),
+                                   std::hypot(below.u - own.u, below.v - own.v));
+      const Ellipse& e = part[k].ellipse;
+      is_kept[k] = std::hypot(e.x - own.u, e.y - own.v) < kOff * step;
+    }
+  }
+  Part kept;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    if (is_kept[k]) kept.push_back(part[k]);
+  }
+  return kept;
+}
+
 // The quarter turns after which rows run along the x axis of the image.
 int turns_to_upright(const Part& part) {
   const DiscLattice lattice = lattice_of(part);
@@ -144,22 +235,23 @@ int turns_to_upright(const Part& part) {
 
 }  // namespace
 
-std::optional<DiscLattice> grid_lattice(std::span<const Ellipse> points,
+std::optional<DiscLattice> grid_lattice(std::span<const Ellipse> points, const Pixel& middle,
                                         const std::stop_token& stop) {
   std::vector<Part> parts = parts_of(points, stop);
   if (stop.stop_requested() || parts.empty() || parts.front().size() < kFewestGridPoints) {
     return std::nullopt;
   }
-  const Part all = join(std::move(parts));
+  const Part all = as_a_lens_has_them(with_square_cells(join(std::move(parts))), middle);
+  if (all.size() < kFewestGridPoints) return std::nullopt;
   const CellMap upright{turns_to_upright(all), {}};
   DiscLattice turned(UnboundedGrid::kSide);
   for (const Point& p : all) turned.put(upright(p.cell), p.ellipse);
   const CellRange range = turned.extent();
-  const Cell middle = {(range.first.col + range.last.col) / 2,
+  const Cell centre = {(range.first.col + range.last.col) / 2,
                        (range.first.row + range.last.row) / 2};
   DiscLattice lattice(kGridReach);
   for (const Cell c : turned.cells()) {
-    if (lattice.in_reach(c - middle)) lattice.put(c - middle, *turned.at(c));
+    if (lattice.in_reach(c - centre)) lattice.put(c - centre, *turned.at(c));
   }
   return lattice;
 }

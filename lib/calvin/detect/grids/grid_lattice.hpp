@@ -21,9 +21,10 @@ inline constexpr int kFewestGridPoints = 16;
 inline constexpr int kGridReach = UnboundedGrid::kSide / 2 - 1;
 
 // Out of the points of an image, each with an ellipse whose shape is that of a circle on the grid.
-// Rows run along the x axis of the image as nearly as may be. Absent where there are fewer than
-// kFewestGridPoints in a lattice, and where a stop was requested.
+// Rows run along the x axis of the image as nearly as may be. `middle`: of the image, px. Absent
+// where there are fewer than kFewestGridPoints in a lattice, and where a stop was requested.
 [[nodiscard]] std::optional<DiscLattice> grid_lattice(std::span<const Ellipse> points,
+                                                      const Pixel& middle,
                                                       const std::stop_token& stop);
 
 }  // namespace calvin::detect

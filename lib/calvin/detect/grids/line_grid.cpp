@@ -32,7 +32,7 @@ std::optional<DiscLattice> find_lattice(Pyramid& pyramid, bool light, const std:
       e.y = static_cast<double>(Pyramid::to_image(static_cast<float>(e.y), level));
       for (double* square : {&e.xx, &e.xy, &e.yy}) *square *= scale * scale;
     }
-    auto lattice = grid_lattice(circles, stop);
+    auto lattice = grid_lattice(circles, image_center(pyramid.level(0).size()), stop);
     if (lattice && (!best || lattice->count() > best->count())) best = std::move(lattice);
   }
   return best;
