@@ -56,8 +56,8 @@ class Worker {
   [[nodiscard]] Status start();
 
   // For a live stream: from the next job on the thread takes no core from a streaming thread that
-  // wants one. Until the next start(): a priority cannot be raised again by everybody, so that a
-  // thread which is still at an old job by then keeps its own.
+  // wants one. Until the next start(): but a priority is raised again by nobody without rights, and
+  // a thread that is still at an old job by then stays low.
   void give_way();
 
   // Whether a job that is offered now begins at once.

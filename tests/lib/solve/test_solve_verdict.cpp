@@ -154,8 +154,9 @@ TEST(Verdict, CornersFarFromWhereTheTextHasThemAreAMisfit) {
   const Misfit found = misfit(off, 1, kDegrees, 1.2, promise);
   EXPECT_EQ(found.cause, Cause::kBoard);
   EXPECT_NEAR(found.board_residual, 1.2 * std::sqrt(0.8), 1e-9);
-  EXPECT_NE(explain(found, off, 1, promise).find("all views agree on 1.1 px. See that its sides"),
-            std::string::npos);
+  EXPECT_NE(
+      explain(found, off, 1, promise).find("in all views alike, by 1.1 px. See that its sides"),
+      std::string::npos);
 }
 
 // Blamed is what the promise would be without.

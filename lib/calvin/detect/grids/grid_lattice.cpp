@@ -182,12 +182,23 @@ Part with_square_cells(Part part) {
   return part;
 }
 
-// The points whose cells are those that a lens lets be expected. Where discs are small and many one
-// may be missed, and a row goes on as the next one: the grid is followed from the largest discs on,
-// which are the nearest ones, and what does not go on as they do is left out.
-Part as_a_lens_has_them(Part part, const Pixel& middle) {
-  constexpr double kShares[] = {0.5, 0.7, 0.85, 1};
+// Whether a point is nearer to the image of its cell than to that of any other.
+bool is_in_its_cell(const LensMap& map, const Point& point) {
   constexpr double kOff = 0.3;  // of the way to the next cell
+  const auto image_of = [&](const Cell& cell) { return map.image_of(pixel_of(cell)); };
+  const Pixel own = image_of(point.cell);
+  const auto distance = [&own](double u, double v) { return std::hypot(u - own.u, v - own.v); };
+  const Pixel right = image_of(point.cell + Cell{1, 0});
+  const Pixel below = image_of(point.cell + Cell{0, 1});
+  const double step = std::min(distance(right.u, right.v), distance(below.u, below.v));
+  return distance(point.ellipse.x, point.ellipse.y) < kOff * step;
+}
+
+// Where discs are small and many one may be missed, and a row goes on as the next one: the grid is
+// followed from the largest discs on, which are the nearest ones, and points that a lens which has
+// seen those does not let be expected in their cells are left out.
+Part without_misnumbered(Part part, const Pixel& middle) {
+  constexpr double kShares[] = {0.5, 0.7, 0.85, 1};
   constexpr std::size_t kMany = 200;
   if (part.size() < kMany) return part;
   std::ranges::stable_sort(part, std::ranges::greater{},
@@ -204,13 +215,7 @@ Part as_a_lens_has_them(Part part, const Pixel& middle) {
     const auto map = LensMap::fit(cells, seen, middle);
     if (!map) return part;
     for (std::size_t k = 0; k < share_of(part.size(), kShares[i + 1]); ++k) {
-      const Pixel own = map->image_of(pixel_of(part[k].cell));
-      const Pixel next = map->image_of({part[k].cell.col + 1.0, part[k].cell.row + 0.0});
-      const Pixel below = map->image_of({part[k].cell.col + 0.0, part[k].cell.row + 1.0});
-      const double step = std::min(std::hypot(next.u - own.u, next.v - own.v),
-                                   std::hypot(below.u - own.u, below.v - own.v));
-      const Ellipse& e = part[k].ellipse;
-      is_kept[k] = std::hypot(e.x - own.u, e.y - own.v) < kOff * step;
+      is_kept[k] = is_in_its_cell(*map, part[k]);
     }
   }
   Part kept;
@@ -241,7 +246,7 @@ std::optional<DiscLattice> grid_lattice(std::span<const Ellipse> points, const P
   if (stop.stop_requested() || parts.empty() || parts.front().size() < kFewestGridPoints) {
     return std::nullopt;
   }
-  const Part all = as_a_lens_has_them(with_square_cells(join(std::move(parts))), middle);
+  const Part all = without_misnumbered(with_square_cells(join(std::move(parts))), middle);
   if (all.size() < kFewestGridPoints) return std::nullopt;
   const CellMap upright{turns_to_upright(all), {}};
   DiscLattice turned(UnboundedGrid::kSide);

@@ -14,8 +14,7 @@ namespace {
 
 constexpr int kAround = 50;  // px beyond the reach that a fit may look at
 
-}  // namespace
-
+// The pixels at most `half` columns and rows away from the one nearest to `middle`.
 ImagePart part_around(const ImageView& image, Pixel middle, int half) {
   const int left = std::max(0, static_cast<int>(std::lround(middle.u)) - half);
   const int top = std::max(0, static_cast<int>(std::lround(middle.v)) - half);
@@ -30,6 +29,8 @@ ImagePart part_around(const ImageView& image, Pixel middle, int half) {
   }
   return part;
 }
+
+}  // namespace
 
 ImagePart part_within_reach(const ImageView& image, Pixel near, double reach) {
   const bool is_inside = near.u >= -reach && near.v >= -reach && near.u <= image.width + reach &&

@@ -15,12 +15,9 @@ struct ImagePart {
   int whole_width = 0;  // px, of the image that it is of
 };
 
-// The pixels at most `half` columns and rows away from the one nearest to `middle`, of an image of
-// any step; none where that is beyond the border by more.
-[[nodiscard]] ImagePart part_around(const ImageView& image, Pixel middle, int half);
-
 // Around a pixel that somebody has pointed at, as far as a fit may look of what lies within `reach`
-// px of it. None where there is no image, or the pixel is farther outside.
+// px of it, of an image of any step. Without pixels where there is no image, or the pixel is
+// farther outside.
 [[nodiscard]] ImagePart part_within_reach(const ImageView& image, Pixel near, double reach);
 
 }  // namespace calvin

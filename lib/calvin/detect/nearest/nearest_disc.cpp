@@ -27,10 +27,8 @@ constexpr int kLevels = 3;  // of the pyramid: a disc of 36 px has 9 in the smal
 double distance(const Ellipse& e, Pixel from) { return std::hypot(e.x - from.u, e.y - from.v); }
 
 // The discs of one kind whose centres may be within reach of a pixel of the part.
-std::vector<Ellipse> candidates(const ImageView& image, bool light, Pixel near, double reach) {
+std::vector<Ellipse> candidates(Pyramid& pyramid, bool light, Pixel near, double reach) {
   constexpr std::size_t kMost = 60;  // of a level
-  Pyramid pyramid;
-  pyramid.build(image, kLevels, {4 * detect::kBlobReach, 4 * detect::kBlobReach});
   detect::DiscSearch search(kMost);
   std::vector<Ellipse> discs;
   for (int level = 0; level < pyramid.levels(); ++level) search.add(pyramid, level, light, discs);
@@ -88,10 +86,12 @@ std::optional<FoundPoint> nearest_disc(const ImagePart& part, Pixel near, double
   if (part.image.pixels.empty()) return std::nullopt;
   const ImageView image = part.image.view();
   const Pixel there = {near.u - part.x, near.v - part.y};
+  Pyramid pyramid;
+  pyramid.build(image, kLevels, {4 * detect::kBlobReach, 4 * detect::kBlobReach});
   std::optional<FoundPoint> nearest;
   double least = reach;
   for (const bool light : {false, true}) {
-    for (const Ellipse& start : candidates(image, light, there, reach)) {
+    for (const Ellipse& start : candidates(pyramid, light, there, reach)) {
       const auto fit = fitted(image, start);
       if (!fit) continue;
       const double away = distance(fit->ellipse, there);

@@ -133,8 +133,8 @@ std::string finding(Misfit::Cause cause, const Misfit& misfit, const FitDiagnost
     case Misfit::Cause::kBoard:
       if (is_of_another_text(misfit)) {
         return fmt::format(
-            "The corners of the board are not where its text has them: all views agree on {:.2g} "
-            "px. See that its sides, gaps and numbers are those of the text.",
+            "The corners of the board are not where its text has them, in all views alike, by "
+            "{:.2g} px. See that its sides, gaps and numbers are those of the text.",
             misfit.board_residual);
       }
       if (!(diagnostics.board_variance > 0)) {
