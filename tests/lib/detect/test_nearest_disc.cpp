@@ -52,9 +52,9 @@ Score score(const Scene& scene, int pictures) {
     }
     const Observation truth = true_observation(camera, board, pose);
     for (const Pixel& at : truth.uv) {
-      constexpr double kInside = 40;  // px: whole discs
-      if (at.u < kInside || at.v < kInside || at.u > kFrame.width - kInside ||
-          at.v > kFrame.height - kInside) {
+      const double inside = 40 / std::min(scene.distance, 1.0);  // px: whole discs
+      if (at.u < inside || at.v < inside || at.u > kFrame.width - inside ||
+          at.v > kFrame.height - inside) {
         continue;
       }
       const double angle = scenes::uniform(random, 0, 6.28);
@@ -95,6 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"dark", {"circles:7x5:30mm", {.noise = 2, .blur = 0.7}}},
                     Case{"light", {"circles:7x5:30mm", {.noise = 2, .blur = 0.7}, 1, true}},
                     Case{"far", {"circles:7x5:30mm", {.noise = 1, .blur = 0.6}, 3}},
+                    Case{"large", {"circles:7x5:30mm", {.noise = 2, .blur = 0.7}, 0.45}},
                     Case{"blurred", {"circles:7x5:30mm", {.noise = 1, .blur = 3}}},
                     Case{"asymmetric", {"acircles:4x11:20mm", {.noise = 2, .blur = 0.7}}}),
     [](const auto& one) { return std::string(one.param.name); });

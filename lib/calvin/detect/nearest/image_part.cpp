@@ -12,8 +12,6 @@ namespace calvin {
 
 namespace {
 
-constexpr int kAround = 50;  // px beyond the reach that a fit may look at
-
 // The pixels at most `half` columns and rows away from the one nearest to `middle`.
 ImagePart part_around(const ImageView& image, Pixel middle, int half) {
   const int left = std::max(0, static_cast<int>(std::lround(middle.u)) - half);
@@ -32,11 +30,11 @@ ImagePart part_around(const ImageView& image, Pixel middle, int half) {
 
 }  // namespace
 
-ImagePart part_within_reach(const ImageView& image, Pixel near, double reach) {
+ImagePart part_within_reach(const ImageView& image, Pixel near, double reach, int around) {
   const bool is_inside = near.u >= -reach && near.v >= -reach && near.u <= image.width + reach &&
                          near.v <= image.height + reach;
   if (image.data == nullptr || !(reach > 0) || !is_inside) return {};
-  return part_around(image, near, static_cast<int>(std::ceil(reach)) + kAround);
+  return part_around(image, near, static_cast<int>(std::ceil(reach)) + around);
 }
 
 }  // namespace calvin

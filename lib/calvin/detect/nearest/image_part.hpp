@@ -15,9 +15,10 @@ struct ImagePart {
   int whole_width = 0;  // px, of the image that it is of
 };
 
-// Around a pixel that somebody has pointed at, as far as a fit may look of what lies within `reach`
-// px of it, of an image of any step. Without pixels where there is no image, or the pixel is
-// farther outside.
-[[nodiscard]] ImagePart part_within_reach(const ImageView& image, Pixel near, double reach);
+// Around a pixel that somebody has pointed at: `reach` px, and `around` px more that a fit of what
+// lies there may look at, of an image of any step. Without pixels where there is no image, or the
+// pixel is farther outside than `reach`.
+[[nodiscard]] ImagePart part_within_reach(const ImageView& image, Pixel near, double reach,
+                                          int around);
 
 }  // namespace calvin

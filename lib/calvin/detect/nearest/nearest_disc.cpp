@@ -22,8 +22,6 @@ using detect::DiscFit;
 using detect::Ellipse;
 using detect::Pyramid;
 
-constexpr int kLevels = 3;  // of the pyramid: a disc of 36 px has 9 in the smallest picture
-
 double distance(const Ellipse& e, Pixel from) { return std::hypot(e.x - from.u, e.y - from.v); }
 
 // The discs of one kind whose centres may be within reach of a pixel of the part.
@@ -87,7 +85,7 @@ std::optional<FoundPoint> nearest_disc(const ImagePart& part, Pixel near, double
   const ImageView image = part.image.view();
   const Pixel there = {near.u - part.x, near.v - part.y};
   Pyramid pyramid;
-  pyramid.build(image, kLevels, {4 * detect::kBlobReach, 4 * detect::kBlobReach});
+  pyramid.build(image, Pyramid::kMaxLevels, {4 * detect::kBlobReach, 4 * detect::kBlobReach});
   std::optional<FoundPoint> nearest;
   double least = reach;
   for (const bool light : {false, true}) {

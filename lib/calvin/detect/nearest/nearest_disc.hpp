@@ -13,11 +13,11 @@
 namespace calvin {
 
 // The disc, dark on light or light on dark, whose centre is nearest to a pixel of the image, by the
-// fit that grids of circles have, where it is within `reach` px of it; of radii of about 1 to 36
-// px. A circle's centre is not that of the ellipse that it is seen as (J. Heikkila, Geometric
+// fit that grids of circles have, where it is within `reach` px of it and its surroundings are in
+// the part. A circle's centre is not that of the ellipse that it is seen as (J. Heikkila, Geometric
 // camera calibration using circular control points, 2000, section 2.2): by how much is not known
 // here, and what it may be for a lens of a usual angle is in the sigma. Absent where there is no
-// such disc in the part of the image.
+// such disc.
 [[nodiscard]] std::optional<FoundPoint> nearest_disc(const ImagePart& part, Pixel near,
                                                      double reach);
 

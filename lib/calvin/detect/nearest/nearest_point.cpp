@@ -18,15 +18,21 @@ namespace calvin {
 namespace {
 
 constexpr double kMostReach = 500;  // px
+// px beyond the reach: as the detector's fits look, and for discs that are larger than that.
+constexpr int kAround = 50;
+constexpr int kAroundLarge = 150;
 
 }  // namespace
 
 std::optional<FoundPoint> nearest_point(const ImageView& image, Pixel near, double reach) noexcept {
   try {
     reach = std::min(reach, kMostReach);
-    const ImagePart part = part_within_reach(image, near, reach);
+    const ImagePart part = part_within_reach(image, near, reach, kAround);
     const auto corner = nearest_corner(part, near, reach);
     const auto disc = nearest_disc(part, near, reach);
+    if (!corner && !disc) {
+      return nearest_disc(part_within_reach(image, near, reach, kAroundLarge), near, reach);
+    }
     if (!corner || !disc) return corner ? corner : disc;
     const auto distance = [near](const FoundPoint& found) {
       return std::hypot(found.at.u - near.u, found.at.v - near.v);
