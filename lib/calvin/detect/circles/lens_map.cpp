@@ -226,15 +226,18 @@ std::optional<LensMap> LensMap::start(Projection projection, std::span<const Pix
 }
 
 std::optional<LensMap> LensMap::fit(std::span<const Pixel> plane, std::span<const Pixel> image,
-                                    const Pixel& middle) {
+                                    const Pixel& middle, double sigma) {
   constexpr double kGood = 0.03;  // px
+  constexpr double kSigmas = 2;   // of both coordinates, with room for chance
+  const double good = std::max(kGood, kSigmas * sigma);
   const double half = std::max({middle.u, middle.v, 1.0});
   auto best = start(Projection::kPerspective, plane, image, middle, half);
-  if (best && best->misfit() < kGood) return best;
+  if (best && best->misfit() < good) return best;
   // How far the middle of the longer side is from the axis, rad.
   for (const double angle : {1.57, 1.2, 0.8}) {
     auto other = start(Projection::kEquidistant, plane, image, middle, half / angle);
     if (other && (!best || other->misfit() < best->misfit())) best = std::move(other);
+    if (best && best->misfit() < good) break;
   }
   return best;
 }

@@ -20,6 +20,9 @@ using Point = Eigen::Vector2d;  // px
   return p.x() >= 0 && p.y() >= 0 && p.x() <= image.width - 1 && p.y() <= image.height - 1;
 }
 
+[[nodiscard]] inline Pixel pixel_of(const Point& p) { return {p.x(), p.y()}; }
+[[nodiscard]] inline Point point_of(const Pixel& p) { return {p.u, p.v}; }
+
 // Four corners, clockwise as they are seen.
 using Quad = std::array<Point, 4>;
 

@@ -24,13 +24,9 @@ using Matrix = Eigen::Matrix<double, kSideUnknowns, kSideUnknowns>;
 constexpr double kLeastWidth = 0.3;     // px, about what a pixel itself has
 constexpr double kLeastContrast = 8;    // grey levels
 constexpr double kRounding = 1.0 / 12;  // grey levels^2
-constexpr int kSegments = 8;            // of a side, of which something may cover some
+constexpr std::size_t kSegments = kSideSegments;  // of which something may cover some
 constexpr int kFewestSegments = 4;
-
-std::size_t segment_of(float t) {
-  return static_cast<std::size_t>(
-      std::clamp(static_cast<int>((t + 1) / 2 * kSegments), 0, kSegments - 1));
-}
+constexpr int kMostRough = 6;  // of so many lines of pixels across the side one is taken
 
 class SideSteps {
  public:
@@ -45,12 +41,14 @@ class SideSteps {
 
  private:
   [[nodiscard]] bool start();
+  [[nodiscard]] bool fit_seen();
   [[nodiscard]] bool gather();
   [[nodiscard]] bool step();
   [[nodiscard]] bool converge();
   [[nodiscard]] bool drop_covered();
   void weigh();
   void accumulate(SideSums sums);
+  [[nodiscard]] Matrix information() const;
   [[nodiscard]] SideModel model() const;
 
   [[nodiscard]] bool shows(std::size_t segment) const {
@@ -61,10 +59,18 @@ class SideSteps {
     for (std::size_t i = 0; i < kSegments; ++i) count += shows(i) ? 1 : 0;
     return count;
   }
+  // Grey levels^2, of a pixel.
+  [[nodiscard]] double variance() const {
+    return square_ / std::max(count_ - int{kSideUnknowns}, 1) + kRounding;
+  }
+  [[nodiscard]] double bend_weight() const {
+    return variance() / (guess_.bend_sigma * guess_.bend_sigma);
+  }
   // px, in which pixels are taken, where so many are free.
   [[nodiscard]] double band(double free) const {
     constexpr double kWidths = 3.5;
-    return std::min(0.8 * free, kWidths * width_ + 1);
+    constexpr double kRoughWidths = 2.5;
+    return std::min(0.8 * free, every_ > 1 ? kRoughWidths * width_ + 0.8 : kWidths * width_ + 1);
   }
 
   const ImageView& image_;
@@ -74,6 +80,7 @@ class SideSteps {
   SideCurve gathered_;  // the curve near which pixels were taken
   double width_;        // px
   double gathered_width_ = 0;
+  int every_ = 1;  // one in so many lines of pixels across the side
   double in_ = 0;
   double in_slope_ = 0;
   double out_ = 0;
@@ -81,7 +88,7 @@ class SideSteps {
   SidePixels& pixels_;
   std::array<bool, kSegments> used_{};  // not covered
   std::array<int, kSegments> pixels_in_{};
-  Matrix products_;
+  Matrix products_;  // of pixels alone
   Vector gradient_;
   Vector change_;
   Eigen::LLT<Matrix> factor_;
@@ -91,14 +98,21 @@ class SideSteps {
 };
 
 bool SideSteps::start() {
-  const auto line = coarse_side(image_, frame_, guess_);
-  if (!line) return false;
-  curve_ = *line;
+  constexpr double kRoughLines = 14;  // across the side
+  curve_.bend = guess_.bend;
+  if (guess_.care != SideCare::kAgain) {
+    const auto line = coarse_side(image_, frame_, guess_);
+    if (!line) return false;
+    curve_ = *line;
+    every_ = std::clamp(static_cast<int>(2 * frame_.half() / kRoughLines), 1, kMostRough);
+  }
   if (!gather()) return false;
   // Grey levels at the ends of the band.
   double sums[2] = {0, 0};
   int counts[2] = {0, 0};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
+  // They need not be exact: a few hundred pixels tell them.
+  const std::size_t every = 1 + static_cast<std::size_t>(pixels_.count) / 256;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); i += every) {
     const double s =
         static_cast<double>(pixels_.n[i]) - curve_.at(static_cast<double>(pixels_.t[i]));
     if (std::abs(s) < 0.5) continue;
@@ -116,8 +130,8 @@ bool SideSteps::gather() {
   const double from_corner = (1.7 * width_ + 0.7) / frame_.half();
   constexpr double kLeastEnd = 0.5;
   const double end = std::max(1 - from_corner, kLeastEnd);
-  gather_side(image_, frame_, guess_, curve_, band(room_inside(guess_)), band(room_outside(guess_)),
-              end, width_, pixels_);
+  const SideBand near{band(room_inside(guess_)), band(room_outside(guess_)), end, width_, every_};
+  gather_side(image_, frame_, guess_, curve_, near, pixels_);
   weigh();
   is_near_ = false;
   gathered_ = curve_;
@@ -129,13 +143,14 @@ bool SideSteps::gather() {
 void SideSteps::weigh() {
   count_ = 0;
   pixels_in_.fill(0);
+  std::array<float, kSegments> weights{};
+  for (std::size_t k = 0; k < kSegments; ++k) weights[k] = used_[k] ? 1 : 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
-    const std::size_t segment = segment_of(pixels_.t[i]);
-    const bool used = used_[segment];
+    const std::size_t segment = pixels_.segment_of(i);
     ++pixels_in_[segment];
-    pixels_.weight[i] = used ? 1 : 0;
-    count_ += used ? 1 : 0;
+    pixels_.weight[i] = weights[segment];
   }
+  for (std::size_t k = 0; k < kSegments; ++k) count_ += used_[k] ? pixels_in_[k] : 0;
 }
 
 SideModel SideSteps::model() const {
@@ -164,9 +179,7 @@ void SideSteps::accumulate(SideSums sums) {
   accumulate_side(pixels_, model(), sums, normal);
   for (int p = 0; p < kSideUnknowns; ++p) gradient_[p] = static_cast<double>(normal.gradient[p]);
   square_ = static_cast<double>(normal.square);
-  const double variance = square_ / std::max(count_ - int{kSideUnknowns}, 1) + kRounding;
-  const double known = variance / (guess_.bend_sigma * guess_.bend_sigma);
-  gradient_[kSideBend] -= known * (curve_.bend - guess_.bend);
+  gradient_[kSideBend] -= bend_weight() * (curve_.bend - guess_.bend);
   if (sums == SideSums::kGradient) return;
   int k = 0;
   for (int p = 0; p < kSideUnknowns; ++p) {
@@ -174,19 +187,24 @@ void SideSteps::accumulate(SideSums sums) {
       products_(p, q) = products_(q, p) = static_cast<double>(normal.products[k++]);
     }
   }
-  // The width and the bend are hardly told by a short side.
+}
+
+// Of all that is known: the width and the bend are hardly told by a short side.
+Matrix SideSteps::information() const {
   constexpr double kWidthPrior = 0.5;  // of the logarithm, 1 sigma
-  products_(kSideWidth, kSideWidth) += variance / (kWidthPrior * kWidthPrior);
-  products_(kSideBend, kSideBend) += known;
+  Matrix all = products_;
+  all(kSideWidth, kSideWidth) += variance() / (kWidthPrior * kWidthPrior);
+  all(kSideBend, kSideBend) += bend_weight();
+  return all;
 }
 
 bool SideSteps::step() {
   constexpr double kLongest = 1;   // px, and of the width's logarithm half of that
-  constexpr double kSmall = 0.06;  // px: after such a step its factor is still good
+  constexpr double kSmall = 0.06;  // px, and of the contrast: after such a step its factor is good
   accumulate(is_near_ ? SideSums::kGradient : SideSums::kAll);
   if (count_ < 2 * kSideUnknowns) return false;
   if (!is_near_) {
-    Matrix damped = products_;
+    Matrix damped = information();
     damped.diagonal() *= 1 + 1e-6;
     factor_.compute(damped);
     if (factor_.info() != Eigen::Success) return false;
@@ -196,7 +214,9 @@ bool SideSteps::step() {
   const double largest =
       std::max({std::abs(change_[kSideOffset]), std::abs(change_[kSideSlope]),
                 std::abs(change_[kSideBend]), 2 * std::abs(change_[kSideWidth])});
-  is_near_ = largest < kSmall;
+  // The derivatives of the place grow with the contrast.
+  const double levels = std::max(std::abs(change_[kSideIn]), std::abs(change_[kSideOut]));
+  is_near_ = largest < kSmall && levels < kSmall * std::abs(out_ - in_);
   change_ *= std::min(1.0, kLongest / std::max(largest, 1e-12));
   curve_.offset += change_[kSideOffset];
   curve_.slope += change_[kSideSlope];
@@ -211,7 +231,7 @@ bool SideSteps::step() {
 
 bool SideSteps::converge() {
   constexpr int kSteps = 12;
-  constexpr double kConverged = 1e-3;  // px
+  const double converged = every_ > 1 ? 1e-2 : 1e-3;  // px
   constexpr double kMoved = 0.4;       // px, after which other pixels are near
   for (int i = 0; i < kSteps; ++i) {
     if (!step()) return false;
@@ -223,7 +243,7 @@ bool SideSteps::converge() {
       continue;
     }
     if (std::max({std::abs(change_[kSideOffset]), std::abs(change_[kSideSlope]),
-                  std::abs(change_[kSideBend])}) < kConverged) {
+                  std::abs(change_[kSideBend])}) < converged) {
       break;
     }
   }
@@ -235,7 +255,7 @@ bool SideSteps::drop_covered() {
   std::array<double, kSegments> squares{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
     const auto error = static_cast<double>(pixels_.error[i]);
-    squares[segment_of(pixels_.t[i])] += error * error;
+    squares[pixels_.segment_of(i)] += error * error;
   }
   std::vector<double> rms;
   for (std::size_t i = 0; i < kSegments; ++i) {
@@ -261,14 +281,22 @@ bool SideSteps::drop_covered() {
   return true;
 }
 
-bool SideSteps::run() {
-  if (!start() || !converge()) return false;
+// To the pixels that were taken, without what something covers.
+bool SideSteps::fit_seen() {
+  if (!converge()) return false;
   constexpr int kRounds = 3;
   for (int i = 0; i < kRounds && drop_covered(); ++i) {
     if (shown() < kFewestSegments || !converge()) return false;
   }
-  if (shown() < kFewestSegments) return false;
-  accumulate(SideSums::kAll);
+  return shown() >= kFewestSegments;
+}
+
+bool SideSteps::run() {
+  if (!start() || !fit_seen()) return false;
+  if (every_ > 1 && guess_.care == SideCare::kFull) {
+    every_ = 1;
+    if (!gather() || !fit_seen()) return false;
+  }
   const double contrast = (out_ - in_) * (guess_.inverted ? -1 : 1);
   return contrast >= kLeastContrast && count_ > 2 * kSideUnknowns;
 }
@@ -276,16 +304,16 @@ bool SideSteps::run() {
 SideFit SideSteps::result() const {
   SideFit fit;
   fit.width = width_;
-  const double variance = std::max(square_ / (count_ - int{kSideUnknowns}), kRounding);
-  const Matrix covariance = variance * products_.llt().solve(Matrix::Identity());
+  Eigen::Matrix<double, kSideUnknowns, 2> ends = Eigen::Matrix<double, kSideUnknowns, 2>::Zero();
+  ends.row(kSideOffset) << 1, 1;
+  ends.row(kSideSlope) << -1, 1;
+  const Eigen::Matrix2d covariance =
+      variance() / every_ * (ends.transpose() * information().llt().solve(ends));
   for (const int end : {0, 1}) {
     const double t = end == 0 ? -1 : 1;
     fit.offset[end] = curve_.at(t);
     fit.slope[end] = (curve_.slope - 2 * curve_.bend * t) / frame_.half();
-    fit.sigma[end] = std::sqrt(std::max(covariance(kSideOffset, kSideOffset) +
-                                            2 * t * covariance(kSideOffset, kSideSlope) +
-                                            covariance(kSideSlope, kSideSlope),
-                                        0.0));
+    fit.sigma[end] = std::sqrt(std::max(covariance(end, end), 0.0));
     const std::size_t last = end == 0 ? 0 : kSegments - 1;
     const std::size_t next = end == 0 ? 1 : kSegments - 2;
     fit.seen[end] = shows(last) || shows(next);

@@ -33,6 +33,13 @@ struct NextEdge {
 // px, 1 sigma of the blur across a side of a picture of which nothing is known.
 inline constexpr double kUsualWidth = 0.8;
 
+// How much of a side is looked at.
+enum class SideCare {
+  kRough,  // of a long side, some lines of pixels across it
+  kFull,   // the same first, then all pixels near it
+  kAgain,  // all pixels: the guess is what was fitted before
+};
+
 // Where the side is thought to be, as a line from corner to corner whose left is outside, and what
 // is beside it.
 struct SideGuess {
@@ -43,6 +50,7 @@ struct SideGuess {
   double bend_sigma = 1;       // px
   double width = kUsualWidth;  // px, 1 sigma of the blur, from which the fit begins
   bool inverted = false;       // the tag is light
+  SideCare care = SideCare::kFull;
 
   NextEdge border;  // where the first row of bits begins
   NextEdge second;  // where the second row begins
@@ -57,7 +65,8 @@ struct SideGuess {
 };
 
 struct SideFit {
-  // px, beside the guessed line at t = -1 and at t = 1, positive outside, and 1 sigma.
+  // px, beside the guessed line at t = -1 and at t = 1, positive outside, and 1 sigma: after a
+  // rough fit what all pixels would have left of it.
   double offset[2] = {0, 0};
   double sigma[2] = {0, 0};
   double slope[2] = {0, 0};       // of the side against the guessed line, at these places

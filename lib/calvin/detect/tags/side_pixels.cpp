@@ -16,7 +16,7 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kProfiles = 14;          // across a side
+constexpr int kProfiles = 10;          // across a side
 constexpr int kFewestPlaces = 4;       // of a side that leaves the image
 constexpr double kLastProfile = 0.85;  // |t|
 
@@ -28,22 +28,21 @@ struct Steepest {
 
 std::optional<Steepest> steepest_at(const ImageView& image, const SideFrame& frame,
                                     const SideGuess& guess, double t) {
-  // Far enough for the noise, near enough for a narrow gap.
+  // Far enough for the noise, near enough for a narrow gap: the reach ends well before it.
   const double step = std::clamp(0.25 * guess.reach, 0.25, 1.0);
-  const double base =
-      std::clamp(0.4 * std::min(room_inside(guess), room_outside(guess)), 0.5, 2 * step);
+  constexpr std::size_t kApart = 4;  // steps between the grey levels that are compared
+  const auto places = static_cast<int>(2 * guess.reach / step + 1e-9) + 1;
   const double before = guess.bend * (1 - t * t);
-  const auto grey = [&](double n) {
-    const Point p = frame.at(t, before + n);
-    return grey_at(image, static_cast<float>(p.x()), static_cast<float>(p.y()));
-  };
   Steepest best{t, 0, 0};
-  for (double n = -guess.reach; n <= guess.reach + 1e-9; n += step) {
-    const auto in = grey(n - base);
-    const auto out = grey(n + base);
+  std::array<std::optional<float>, kApart> last;
+  for (int i = 0; i < places + static_cast<int>(kApart); ++i) {
+    const double n = -guess.reach + (i - 0.5 * kApart) * step;
+    const Point p = frame.at(t, before + n);
+    const auto out = grey_at(image, static_cast<float>(p.x()), static_cast<float>(p.y()));
+    const auto in = std::exchange(last[static_cast<std::size_t>(i) % kApart], out);
     if (!in || !out) continue;
     const double change = static_cast<double>(*out - *in) * (guess.inverted ? -1 : 1);
-    if (change > best.change) best = {t, n, change};
+    if (change > best.change) best = {t, n - 0.5 * kApart * step, change};
   }
   constexpr double kLeast = 4;  // grey levels
   if (best.change < kLeast) return std::nullopt;
@@ -100,57 +99,42 @@ struct Interval {
   }
 };
 
-// Rows of bits as blur along the side leaves them.
-template <std::size_t kRows>
-class BlurredBits {
- public:
-  void add(const std::vector<double>& cuts, const std::vector<float>& bits, double width,
-           std::size_t row) {
-    constexpr double kFar = 5;  // sigmas, from where a blurred edge is over
-    for (std::size_t k = 0; k < cuts.size(); ++k) {
-      const float before = k == 0 ? 0 : bits[k - 1];
-      const float after = k < bits.size() ? bits[k] : 0;
-      if (before == after) continue;
-      const int over = sample_from(cuts[k] + kFar * width);
-      for (int i = sample_from(cuts[k] - kFar * width); i < over; ++i) {
-        const double t = 2.0 * i / (kSamples - 1) - 1;
-        samples_[static_cast<std::size_t>(i)][row] +=
-            (after - before) * static_cast<float>(step((t - cuts[k]) / width));
-      }
-      for (int i = over; i < kSamples; ++i) {
-        samples_[static_cast<std::size_t>(i)][row] += after - before;
-      }
+// A blurred edge at a distance in sigmas, within 3e-4: Abramowitz and Stegun, 7.1.27.
+float blurred_edge(float sigmas) {
+  const float x = std::abs(0.70710678F * sigmas);
+  const float p = 1 + x * (0.278393F + x * (0.230389F + x * (0.000972F + x * 0.078108F)));
+  const float square = p * p;
+  const float rest = 0.5F / (square * square);
+  return sigmas > 0 ? 1 - rest : rest;
+}
+
+// A row of bits as blur along the side leaves it, 1 sigma of which is `width`, by t.
+SideBits::Row blurred(const std::vector<double>& cuts, const std::vector<float>& bits,
+                      double width) {
+  constexpr double kFar = 5;  // sigmas, from where a blurred edge is over
+  constexpr int kSamples = SideBits::kSamples;
+  constexpr double kSpacing = 2.0 / (kSamples - 1);
+  // The sample at a place, or the one after it.
+  const auto sample_from = [](double t) {
+    return static_cast<int>(std::clamp(std::ceil((t + 1) / kSpacing), 0.0, double{kSamples}));
+  };
+  SideBits::Row row{};
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    const float change = (k < bits.size() ? bits[k] : 0) - (k == 0 ? 0 : bits[k - 1]);
+    if (change == 0) continue;
+    const int from = sample_from(cuts[k] - kFar * width);
+    const int over = sample_from(cuts[k] + kFar * width);
+    const auto first = static_cast<float>((from * kSpacing - 1 - cuts[k]) / width);
+    const auto by_sample = static_cast<float>(kSpacing / width);
+    float* at = row.data() + from;
+    for (int i = 0; i < over - from; ++i) {
+      at[i] += change * blurred_edge(first + static_cast<float>(i) * by_sample);
     }
+    for (int i = over; i < kSamples; ++i) row[static_cast<std::size_t>(i)] += change;
   }
-  [[nodiscard]] std::array<float, kRows> at(float t) const {
-    const float place = std::clamp(0.5F * (t + 1), 0.0F, 0.9999F) * (kSamples - 1);
-    const auto i = static_cast<std::size_t>(place);
-    const float share = place - static_cast<float>(i);
-    const std::array<float, kRows>& before = samples_[i];
-    const std::array<float, kRows>& after = samples_[i + 1];
-    std::array<float, kRows> bits;
-    for (std::size_t k = 0; k < kRows; ++k) bits[k] = before[k] + share * (after[k] - before[k]);
-    return bits;
-  }
-
- private:
-  static constexpr int kSamples = 97;
-
-  // The sample at a place t along the side, or the one after it.
-  static int sample_from(double t) {
-    return static_cast<int>(
-        std::clamp(std::ceil(0.5 * (t + 1) * (kSamples - 1)), 0.0, static_cast<double>(kSamples)));
-  }
-  // A blurred edge at a distance in sigmas, within 3e-4: Abramowitz and Stegun, 7.1.27.
-  static double step(double sigmas) {
-    const double x = std::abs(0.70710678118654752 * sigmas);
-    const double p = 1 + x * (0.278393 + x * (0.230389 + x * (0.000972 + x * 0.078108)));
-    const double rest = 0.5 / (p * p * p * p);
-    return sigmas > 0 ? 1 - rest : rest;
-  }
-
-  std::array<std::array<float, kRows>, kSamples> samples_{};
-};
+  row[kSamples] = row[kSamples - 1];
+  return row;
+}
 
 }  // namespace
 
@@ -185,9 +169,9 @@ std::optional<SideCurve> coarse_side(const ImageView& image, const SideFrame& fr
 }
 
 void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess& guess,
-                 const SideCurve& curve, double inside, double outside, double end, double width,
-                 SidePixels& pixels) {
+                 const SideCurve& curve, const SideBand& band, SidePixels& pixels) {
   pixels.clear();
+  const auto [inside, outside, end, width, every] = band;
   const double lowest = std::min({curve.at(-1), curve.at(1), curve.at(0)}) - inside;
   const double highest = std::max({curve.at(-1), curve.at(1), curve.at(0)}) + outside;
   double top = frame.at(-end, lowest).y();
@@ -196,16 +180,14 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
     top = std::min(top, p.y());
     bottom = std::max(bottom, p.y());
   }
-  const double blur = width / frame.half();
-  BlurredBits<2> bits;
-  bits.add(guess.cuts, guess.first, blur, 0);
-  bits.add(guess.cuts, guess.behind, blur, 1);
-  BlurredBits<1> outer;
-  outer.add(guess.outer_cuts, guess.outer, blur, 0);
-  const double t_step = frame.along().x() / frame.half();
+    const double t_step = frame.along().x() / frame.half();
   const double n_step = frame.outwards().x();
+  // Lines across the side are rows where it is steep, and else columns.
+  const bool is_steep = std::abs(frame.along().y()) > std::abs(frame.along().x());
+  const int row_step = is_steep ? every : 1;
+  const int step = is_steep ? 1 : every;
   const double last_row = std::min(image.height - 1.0, std::floor(bottom));
-  for (int y = static_cast<int>(std::max(0.0, std::ceil(top))); y <= last_row; ++y) {
+  for (int y = static_cast<int>(std::max(0.0, std::ceil(top))); y <= last_row; y += row_step) {
     const Point start(0, y);
     const double t_start = frame.along(start);
     const double n_start = frame.across(start);
@@ -217,31 +199,34 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
     // By the straight line first, as far as the bend moves it.
     x.cut(n_start - curve.offset - curve.slope * t_start, n_step - curve.slope * t_step,
           std::min(curve.bend, 0.0) - inside, std::max(curve.bend, 0.0) + outside);
-    int first = static_cast<int>(std::ceil(x.first));
+    int first = static_cast<int>(std::ceil(x.first / step)) * step;
     int last = static_cast<int>(std::floor(x.last));
     const auto is_near = [&](int u) { return off(u) >= -inside && off(u) <= outside; };
-    while (first <= last && !is_near(first)) ++first;
+    while (first <= last && !is_near(first)) first += step;
     while (first <= last && !is_near(last)) --last;
     if (first > last) continue;
-    const std::size_t at = pixels.append(last - first + 1);
+    const int count = (last - first) / step + 1;
+    const std::size_t at = pixels.append(count);
     const std::uint8_t* row = image.data + y * image.stride + first;
-    const auto t = static_cast<float>(t_start + first * t_step);
-    const auto n = static_cast<float>(n_start + first * n_step);
-    const auto by_t = static_cast<float>(t_step);
-    const auto by_n = static_cast<float>(n_step);
-    for (int i = 0; i <= last - first; ++i) {
-      const std::size_t k = at + static_cast<std::size_t>(i);
-      pixels.t[k] = t + static_cast<float>(i) * by_t;
-      pixels.n[k] = n + static_cast<float>(i) * by_n;
-      pixels.grey[k] = row[i];
-      const auto [of_first, of_second] = bits.at(pixels.t[k]);
-      pixels.first[k] = of_first;
-      pixels.second[k] = of_second;
-      if (guess.beyond) pixels.beyond[k] = 1;
-      if (!guess.outer.empty()) pixels.beyond[k] = outer.at(pixels.t[k])[0];
+    const auto first_t = static_cast<float>(t_start + first * t_step);
+    const auto first_n = static_cast<float>(n_start + first * n_step);
+    const auto by_t = static_cast<float>(step * t_step);
+    const auto by_n = static_cast<float>(step * n_step);
+    float* t = pixels.t.data() + at;
+    float* n = pixels.n.data() + at;
+    float* grey = pixels.grey.data() + at;
+    for (int i = 0; i < count; ++i) {
+      t[i] = first_t + static_cast<float>(i) * by_t;
+      n[i] = first_n + static_cast<float>(i) * by_n;
+      grey[i] = row[i * step];
     }
   }
   pixels.finish();
+  const double blur = width / frame.half();
+  SideBits bits{blurred(guess.cuts, guess.first, blur), blurred(guess.cuts, guess.behind, blur), {}};
+  if (guess.beyond) bits.beyond.fill(1);
+  if (!guess.outer.empty()) bits.beyond = blurred(guess.outer_cuts, guess.outer, blur);
+  add_bits(pixels, bits, guess.beyond || !guess.outer.empty());
 }
 
 }  // namespace calvin::detect

@@ -52,10 +52,15 @@ struct SideCurve {
 [[nodiscard]] std::optional<SideCurve> coarse_side(const ImageView& image, const SideFrame& frame,
                                                    const SideGuess& guess);
 
-// The pixels near a curve: from `inside` to `outside` px across it, and with |t| up to `end`. Bits
-// are blurred along the side by `width` px.
+// Which pixels near a curve are taken.
+struct SideBand {
+  double inside = 0;   // px across the curve
+  double outside = 0;  // px
+  double end = 1;      // |t|
+  double blur = 0;     // px, of bits along the side
+  int every = 1;       // one in so many lines of pixels across the side
+};
 void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess& guess,
-                 const SideCurve& curve, double inside, double outside, double end, double width,
-                 SidePixels& pixels);
+                 const SideCurve& curve, const SideBand& band, SidePixels& pixels);
 
 }  // namespace calvin::detect

@@ -121,17 +121,17 @@ struct FittedSides {
   std::array<std::optional<SideFit>, 4> sides;
 };
 
-FittedSides fit_sides(const ImageView& image, const Quad& corners, const TagPattern& pattern,
-                      double reach, const TagBends& bends, double width) {
+FittedSides fit_sides(const ImageView& image, const TagGuess& tag, const TagPattern& pattern) {
   FittedSides fitted;
   for (std::size_t i = 0; i < 4; ++i) {
     SideGuess& guess = fitted.guesses[i];
-    guess = SideOf(corners, pattern, i).guess();
+    guess = SideOf(tag.corners, pattern, i).guess();
     // Not as far as the next edge.
-    guess.reach = std::min({reach, 0.6 * room_inside(guess), 0.6 * room_outside(guess)});
-    guess.bend = bends.at[i];
-    guess.bend_sigma = bends.sigma[i];
-    guess.width = width;
+    guess.reach = std::min({tag.reach, 0.6 * room_inside(guess), 0.6 * room_outside(guess)});
+    guess.bend = tag.bends.at[i];
+    guess.bend_sigma = tag.bends.sigma[i];
+    guess.width = tag.width;
+    guess.care = tag.care;
     fitted.sides[i] = fit_side(image, guess);
   }
   return fitted;
@@ -149,6 +149,37 @@ std::optional<Meeting> meet_at(const FittedSides& fitted, const Quad& corners, s
   return meeting;
 }
 
+TagFit fit_once(const ImageView& image, const TagGuess& guess, const TagPattern& pattern) {
+  const FittedSides fitted = fit_sides(image, guess, pattern);
+  const Quad& corners = guess.corners;
+  TagFit tag;
+  tag.corners = corners;
+  tag.is_rough = guess.care == SideCare::kRough;
+  for (const auto& side : fitted.sides) {
+    if (!side) continue;
+    ++tag.sides;
+    tag.width += side->width;
+  }
+  if (tag.sides > 0) tag.width /= tag.sides;
+  Point moved = Point::Zero();
+  std::array<bool, 4> met{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto meeting = meet_at(fitted, corners, i, guess.reach);
+    if (!meeting) continue;
+    met[i] = true;
+    tag.corners[i] = meeting->at;
+    moved += meeting->at - corners[i];
+    const bool is_seen =
+        fitted.sides[(i + 3) % 4]->seen[1] && fitted.sides[i]->seen[0] && is_in(image, meeting->at);
+    if (is_seen && meeting->sigma <= kMostSigma) tag.sigma[i] = meeting->sigma;
+  }
+  // A corner that was not fitted moves as the others do.
+  const auto count = static_cast<double>(std::ranges::count(met, true));
+  for (std::size_t i = 0; i < 4 && count > 0; ++i) {
+    if (!met[i]) tag.corners[i] += moved / count;
+  }
+  return tag;
+}
 }  // namespace
 
 int TagFit::seen() const {
@@ -164,35 +195,18 @@ TagBends unknown_bends(const Quad& corners) {
   return bends;
 }
 
-TagFit fit_tag(const ImageView& image, const Quad& corners, const TagPattern& pattern, double reach,
-               const TagBends& bends, double width) {
-  const FittedSides fitted = fit_sides(image, corners, pattern, reach, bends, width);
-  TagFit tag;
-  tag.corners = corners;
-  for (const auto& side : fitted.sides) {
-    if (!side) continue;
-    ++tag.sides;
-    tag.width += side->width;
+TagFit fit_tag(const ImageView& image, const TagGuess& guess, const TagPattern& pattern) {
+  if (guess.care != SideCare::kFull) return fit_once(image, guess, pattern);
+  // What is beside a side is thought to be where the guess has it: it has to be a good one.
+  TagGuess better = guess;
+  better.care = SideCare::kRough;
+  const TagFit rough = fit_once(image, better, pattern);
+  if (rough.seen() == 4) {
+    better = {rough.corners, 1, guess.bends, rough.width, SideCare::kAgain};
+    const TagFit fit = fit_once(image, better, pattern);
+    if (fit.seen() == 4) return fit;
   }
-  if (tag.sides > 0) tag.width /= tag.sides;
-  Point moved = Point::Zero();
-  std::array<bool, 4> met{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto meeting = meet_at(fitted, corners, i, reach);
-    if (!meeting) continue;
-    met[i] = true;
-    tag.corners[i] = meeting->at;
-    moved += meeting->at - corners[i];
-    const bool is_seen =
-        fitted.sides[(i + 3) % 4]->seen[1] && fitted.sides[i]->seen[0] && is_in(image, meeting->at);
-    if (is_seen && meeting->sigma <= kMostSigma) tag.sigma[i] = meeting->sigma;
-  }
-  // A corner that was not fitted moves as the others do.
-  const auto count = static_cast<double>(std::ranges::count(met, true));
-  for (std::size_t i = 0; i < 4 && count > 0; ++i) {
-    if (!met[i]) tag.corners[i] += moved / count;
-  }
-  return tag;
+  return fit_once(image, guess, pattern);
 }
 
 }  // namespace calvin::detect

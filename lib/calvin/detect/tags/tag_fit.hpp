@@ -19,6 +19,7 @@ struct TagFit {
   std::array<double, 4> sigma{};  // px, 1 sigma per coordinate; 0: the corner is not seen
   double width = 0;               // px, 1 sigma of the blur across sides
   int sides = 0;                  // that were found
+  bool is_rough = false;
 
   [[nodiscard]] int seen() const;
 };
@@ -33,9 +34,17 @@ struct TagBends {
 // Bends of which nothing is known.
 [[nodiscard]] TagBends unknown_bends(const Quad& corners);
 
-// `reach`: px, how far corners may be off; `width`: px, 1 sigma of the blur as far as it is known.
+// What is known of a tag before it is fitted.
+struct TagGuess {
+  Quad corners;
+  double reach = 1;  // px, how far they may be off
+  TagBends bends;
+  double width = kUsualWidth;  // px, 1 sigma of the blur
+  SideCare care = SideCare::kFull;
+};
+
 // The image has step 1.
-[[nodiscard]] TagFit fit_tag(const ImageView& image, const Quad& corners, const TagPattern& pattern,
-                             double reach, const TagBends& bends, double width = kUsualWidth);
+[[nodiscard]] TagFit fit_tag(const ImageView& image, const TagGuess& guess,
+                             const TagPattern& pattern);
 
 }  // namespace calvin::detect

@@ -292,7 +292,7 @@ void fit_corners(const ImageView& image, const TagReader& reader, bool is_over,
     TagPattern pattern = reader.pattern_of(tag.id);
     if (is_over) pattern.bits = half_turned(pattern.bits, pattern.dictionary->bit_count());
     const double reach = std::max(kReach * shortest_side(tag.corners) / pattern.cells(), 1.5);
-    const TagFit fit = fit_tag(image, tag.corners, pattern, reach, unknown_bends(tag.corners));
+    const TagFit fit = fit_tag(image, {tag.corners, reach, unknown_bends(tag.corners)}, pattern);
     if (fit.seen() == 4) tag.corners = fit.corners;
   }
 }

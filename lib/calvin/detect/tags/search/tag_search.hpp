@@ -11,9 +11,9 @@
 
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/tags/quads.hpp"
-#include "calvin/detect/tags/search/sheet_conflicts.hpp"
+#include "calvin/detect/tags/sheet/sheet_conflicts.hpp"
 #include "calvin/detect/tags/tag_reader.hpp"
-#include "calvin/detect/tags/tag_sheet.hpp"
+#include "calvin/detect/tags/sheet/tag_sheet.hpp"
 
 namespace calvin::detect {
 

@@ -11,7 +11,7 @@
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/detect/tags/point.hpp"
-#include "calvin/detect/tags/tag_sheet.hpp"
+#include "calvin/detect/tags/sheet/tag_sheet.hpp"
 
 namespace calvin::detect {
 

@@ -3,7 +3,7 @@
 
 // Compares tags by where they lie.
 
-#include "calvin/detect/tags/search/sheet_conflicts.hpp"
+#include "calvin/detect/tags/sheet/sheet_conflicts.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "calvin/detect/tags/point.hpp"
-#include "calvin/detect/tags/tag_sheet.hpp"
+#include "calvin/detect/tags/sheet/tag_sheet.hpp"
 
 namespace calvin::detect {
 

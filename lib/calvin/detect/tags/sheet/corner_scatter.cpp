@@ -3,7 +3,7 @@
 
 // Linear fits to the distances of corners from a map: a polynomial, and a growth of all tags.
 
-#include "calvin/detect/tags/corner_scatter.hpp"
+#include "calvin/detect/tags/sheet/corner_scatter.hpp"
 
 #include <algorithm>
 #include <cmath>

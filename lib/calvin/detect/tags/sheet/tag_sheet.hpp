@@ -84,16 +84,17 @@ class TagSheet {
   [[nodiscard]] std::optional<Quad> expect(GridPlace place) const;
   [[nodiscard]] Quad on_board(GridPlace place) const;
   [[nodiscard]] double mean_side() const;  // px, of its tags
+  [[nodiscard]] double width() const;      // px, 1 sigma of the blur
   [[nodiscard]] TagPattern pattern(const TagReader& reader, GridPlace place) const;
   [[nodiscard]] std::optional<LensMap> map(ImageSize size) const;
   [[nodiscard]] std::optional<Quad> image_of(const LensMap& map, GridPlace place) const;
   [[nodiscard]] TagBends bends_of(const LensMap& map, GridPlace place, bool is_outside) const;
   [[nodiscard]] bool look_at(const ImageView& image, const TagReader& reader, GridPlace place,
                              const LensMap* map);
-  void fit_again(const ImageView& image, const TagReader& reader, const LensMap& map,
+  void fit_again(const ImageView& image, const TagReader& reader, const LensMap* map,
                  std::size_t from);
   [[nodiscard]] bool take_if_seen(const ImageView& image, const TagReader& reader,
-                                  const PlacedQuad& expected, const TagBends& bends, double reach);
+                                  GridPlace place, const TagGuess& guess);
   void drop_vague_corners();
   void compare_corners(const LensMap& map);
 

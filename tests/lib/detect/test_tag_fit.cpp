@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The corners of a tag from its sides: fitted roughly, fully, and again from a rough fit; and by
+// the other tags of its board where its own quad told too little.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "calvin/detect/detector.hpp"
+#include "calvin/detect/tags/tag_fit.hpp"
+#include "calvin/detect/tags/tag_reader.hpp"
+#include "calvin/synth/motion.hpp"
+#include "calvin/synth/render.hpp"
+#include "calvin/target/kinds.hpp"
+
+namespace calvin {
+namespace {
+
+constexpr const char* kBoard = "aruco:6x5:60mm:15mm:DICT_6X6_250";
+constexpr double kNoise = 4;
+
+class TagFits : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  }
+
+  const Board board_ = parse_board(has_opencv_dictionaries() ? kBoard : "aprilgrid:6x6:88mm:0.3")
+                           .value();
+  const TagGrid& grid_ = *board_.as<TagGrid>();
+};
+
+// The true corners of a tag, from its upper left one on clockwise; the ids of a grid of tags go
+// along the corners of a whole row.
+detect::Quad true_quad(const Observation& truth, const TagGrid& grid, int col, int row) {
+  constexpr std::array<std::pair<int, int>, 4> kClockwise = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  detect::Quad quad;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const int id =
+        (2 * row + kClockwise[i].second) * 2 * grid.cols + 2 * col + kClockwise[i].first;
+    const auto at = std::ranges::find(truth.ids, id) - truth.ids.begin();
+    quad[i] = detect::point_of(truth.uv[static_cast<std::size_t>(at)]);
+  }
+  return quad;
+}
+
+double worst_distance(const detect::Quad& a, const detect::Quad& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, (a[i] - b[i]).norm());
+  return worst;
+}
+
+TEST_F(TagFits, RoughlyFullyAndAgain) {
+  const Camera camera = default_camera({1280, 720});
+  const Motion motion(MotionKind::kRandom, camera, board_, 4);
+  const detect::TagReader reader(detect::TagStyle(grid_), grid_.gap / grid_.tag);
+  double square = 0;
+  int count = 0;
+  for (int n = 0; n < 4; ++n) {
+    const SE3 pose = motion.camera_from_board(n);
+    const GrayImage image = render_board(camera, board_, pose,
+                                         {.noise = kNoise, .blur = 0.7, .seed = unsigned(n)});
+    const Observation truth = true_observation(camera, board_, pose);
+    ASSERT_EQ(truth.ids.size(), 120U) << "the whole board is in view";
+    for (int tag = 0; tag < grid_.cols * grid_.rows; ++tag) {
+      const int col = tag % grid_.cols;
+      const int row = tag / grid_.cols;
+      const detect::Quad quad = true_quad(truth, grid_, col, row);
+      const detect::TagPattern pattern = reader.pattern_of(grid_.tag_in(col, row));
+      detect::TagGuess guess{quad, 3, detect::unknown_bends(quad)};
+      for (detect::Point& corner : guess.corners) corner += detect::Point(1.5, -1);
+      guess.care = detect::SideCare::kRough;
+      const detect::TagFit rough = fit_tag(image.view(), guess, pattern);
+      guess.care = detect::SideCare::kFull;
+      const detect::TagFit full = fit_tag(image.view(), guess, pattern);
+      guess = {rough.corners, 1, guess.bends, rough.width, detect::SideCare::kAgain};
+      const detect::TagFit again = fit_tag(image.view(), guess, pattern);
+      ASSERT_EQ(rough.seen(), 4);
+      ASSERT_EQ(full.seen(), 4);
+      ASSERT_EQ(again.seen(), 4);
+      EXPECT_TRUE(rough.is_rough);
+      EXPECT_FALSE(full.is_rough || again.is_rough);
+      EXPECT_LT(worst_distance(rough.corners, quad), 0.5);
+      for (std::size_t i = 0; i < 4; ++i) {
+        // What all pixels leave, whichever were taken. A fit does not depend on the guess: bits
+        // beside a side that are thought to be a pixel off would move it by more than a sigma.
+        EXPECT_NEAR(rough.sigma[i] / full.sigma[i], 1, 0.6);
+        EXPECT_NEAR(again.sigma[i] / full.sigma[i], 1, 0.15);
+        EXPECT_LT((again.corners[i] - full.corners[i]).norm(), 0.5 * full.sigma[i]);
+        square += (full.corners[i] - quad[i]).squaredNorm() / 2 / std::pow(full.sigma[i], 2);
+        ++count;
+      }
+    }
+  }
+  EXPECT_NEAR(std::sqrt(square / count), 1, 0.15);
+}
+
+// The quads of a picture are found where its pixels are as large as those of a quarter of it: some
+// corners are pixels off, and of their tags not all sides are found at once.
+TEST_F(TagFits, OfQuadsThatAreFarOff) {
+  const Camera camera = default_camera({1920, 1080});
+  const Motion motion(MotionKind::kRandom, camera, board_, 3);
+  const auto detector = make_detector(board_).value();
+  for (const int n : {1, 8}) {
+    const SE3 pose = motion.camera_from_board(n);
+    const GrayImage image =
+        render_board(camera, board_, pose, {.noise = 2, .blur = 1, .seed = unsigned(n)});
+    const Observation truth = true_observation(camera, board_, pose);
+    const Observation seen = detector->detect(image.view()).observation;
+    EXPECT_EQ(seen.ids, truth.ids) << n;
+  }
+}
+
+}  // namespace
+}  // namespace calvin
