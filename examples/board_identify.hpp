@@ -9,12 +9,12 @@
 #include <vector>
 
 #include <fmt/format.h>
-#ifdef BOARD_OPENCV
-#include <opencv2/imgcodecs.hpp>
-#endif
 
 #include "calvin/core/result.hpp"
 #include "calvin/detect/identify.hpp"
+#ifdef BOARD_OPENCV
+#include "read_picture.hpp"
+#endif
 
 namespace board_identify {
 
@@ -22,7 +22,7 @@ namespace board_identify {
 // one.
 inline calvin::Result<bool> identify(const std::string& file, double side) {
 #ifdef BOARD_OPENCV
-  const cv::Mat picture = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  const cv::Mat picture = read_picture(file);
   if (picture.empty()) {
     return calvin::make_error(
         calvin::ErrorCode::kNotFound,

@@ -17,15 +17,15 @@
 #include <vector>
 
 #include <fmt/format.h>
-#ifdef BOARD_OPENCV
-#include <opencv2/imgcodecs.hpp>
-#endif
 
 #include "calvin/detect/detector.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/target/measured/board_measurement.hpp"
+#ifdef BOARD_OPENCV
+#include "read_picture.hpp"
+#endif
 
 namespace board_measure {
 
@@ -49,7 +49,7 @@ inline calvin::Result<std::vector<CameraViews>> in_pictures(const std::filesyste
   std::sort(files.begin(), files.end());
   std::map<std::pair<int, int>, CameraViews> cameras;
   for (const auto& file : files) {
-    const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat picture = read_picture(file);
     if (picture.empty()) continue;
     auto found = (*detector)->detect({picture.data, picture.cols, picture.rows,
                                       static_cast<std::ptrdiff_t>(picture.step[0]), 1});

@@ -18,15 +18,15 @@
 #include <vector>
 
 #include <fmt/format.h>
-#ifdef RIG_OPENCV
-#include <opencv2/imgcodecs.hpp>
-#endif
 
 #include "calvin/core/text.hpp"
 #include "calvin/detect/detector.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/solve/view.hpp"
+#ifdef RIG_OPENCV
+#include "read_picture.hpp"
+#endif
 
 namespace rig_views {
 
@@ -107,7 +107,7 @@ inline calvin::Result<std::vector<calvin::View>> in_pictures(
   if (!detector) return tl::unexpected<calvin::Error>(detector.error());
   std::vector<calvin::View> views;
   for (const auto& [number, file] : pictures_of(source)) {
-    const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat picture = read_picture(file);
     if (picture.empty()) continue;
     const calvin::ImageView image = {picture.data, picture.cols, picture.rows,
                                      static_cast<std::ptrdiff_t>(picture.step[0]), 1};

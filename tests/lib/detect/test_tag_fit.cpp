@@ -29,8 +29,8 @@ class TagFits : public ::testing::Test {
     if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
   }
 
-  const Board board_ = parse_board(has_opencv_dictionaries() ? kBoard : "aprilgrid:6x6:88mm:0.3")
-                           .value();
+  const Board board_ =
+      parse_board(has_opencv_dictionaries() ? kBoard : "aprilgrid:6x6:88mm:0.3").value();
   const TagGrid& grid_ = *board_.as<TagGrid>();
 };
 
@@ -40,8 +40,7 @@ detect::Quad true_quad(const Observation& truth, const TagGrid& grid, int col, i
   constexpr std::array<std::pair<int, int>, 4> kClockwise = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   detect::Quad quad;
   for (std::size_t i = 0; i < 4; ++i) {
-    const int id =
-        (2 * row + kClockwise[i].second) * 2 * grid.cols + 2 * col + kClockwise[i].first;
+    const int id = (2 * row + kClockwise[i].second) * 2 * grid.cols + 2 * col + kClockwise[i].first;
     const auto at = std::ranges::find(truth.ids, id) - truth.ids.begin();
     quad[i] = detect::point_of(truth.uv[static_cast<std::size_t>(at)]);
   }
@@ -62,8 +61,8 @@ TEST_F(TagFits, RoughlyFullyAndAgain) {
   int count = 0;
   for (int n = 0; n < 4; ++n) {
     const SE3 pose = motion.camera_from_board(n);
-    const GrayImage image = render_board(camera, board_, pose,
-                                         {.noise = kNoise, .blur = 0.7, .seed = unsigned(n)});
+    const GrayImage image =
+        render_board(camera, board_, pose, {.noise = kNoise, .blur = 0.7, .seed = unsigned(n)});
     const Observation truth = true_observation(camera, board_, pose);
     ASSERT_EQ(truth.ids.size(), 120U) << "the whole board is in view";
     for (int tag = 0; tag < grid_.cols * grid_.rows; ++tag) {
@@ -112,6 +111,37 @@ TEST_F(TagFits, OfQuadsThatAreFarOff) {
     const Observation truth = true_observation(camera, board_, pose);
     const Observation seen = detector->detect(image.view()).observation;
     EXPECT_EQ(seen.ids, truth.ids) << n;
+  }
+}
+
+// Single tags, of which there are too few for a map of the lens, and tags with bits outside of
+// their borders: the errors of corners are what their sigmas say.
+TEST(TagCorners, AreAsGoodAsTheySay) {
+  if (!has_april_tag_3()) GTEST_SKIP() << "this build knows no families of AprilTag 3";
+  for (const char* text : {"apriltag:tag36h11:80mm:0=0,0+3=180mm,-30mm,30",
+                           "apriltag:tagStandard41h12:6x4:50mm:40mm"}) {
+    const Board board = parse_board(text).value();
+    const Camera camera = default_camera({1280, 720});
+    const Motion motion(MotionKind::kRandom, camera, board, 6);
+    const auto detector = make_detector(board).value();
+    double square = 0;
+    int count = 0;
+    for (int n = 0; n < 12; ++n) {
+      const SE3 pose = motion.camera_from_board(n);
+      const GrayImage image =
+          render_board(camera, board, pose, {.noise = kNoise, .blur = 0.7, .seed = unsigned(n)});
+      const Observation truth = true_observation(camera, board, pose);
+      const Observation seen = detector->detect(image.view()).observation;
+      for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+        const auto at = std::ranges::find(truth.ids, seen.ids[i]) - truth.ids.begin();
+        const Pixel& is = truth.uv[static_cast<std::size_t>(at)];
+        square += (std::pow(seen.uv[i].u - is.u, 2) + std::pow(seen.uv[i].v - is.v, 2)) / 2 /
+                  std::pow(seen.sigma[i], 2);
+        ++count;
+      }
+    }
+    EXPECT_GT(count, 80) << text;
+    EXPECT_NEAR(std::sqrt(square / count), 1, 0.25) << text;
   }
 }
 

@@ -90,6 +90,8 @@ TEST(TagFamilies, HaveTextsAndGapsForTheirBits) {
         {"apriltag:tagcircle21h7:1x1:50mm:1mm",
          "there is no dictionary 'tagcircle21h7', but "
          "'tagCircle21h7'"},
+        {"apriltag:standard41H12:1x1:50mm:50mm", "no dictionary 'standard41H12', but"},
+        {"apriltag:5x7:40mm:10mm", "a dictionary or family is missing before '5x7'"},
         {"apriltag:tagCircle21h7:1x1:50mm:1mm", "what is free around a single tag"},
         {"apriltag:tag36h11:2x1:50mm:1mm", "gaps are at least half as wide as a bit"},
         {"aruco:4x3:50mm:50mm:tagStandard41h12", "apriltag:tagStandard41h12:..."},

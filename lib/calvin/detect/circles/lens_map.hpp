@@ -54,8 +54,8 @@ class LensMap {
   // Points of a plane, whose images are known to a small part of their distances, in a picture with
   // that middle, px; `sigma`: px, how well they are known. Absent where they have no map.
   [[nodiscard]] static std::optional<LensMap> fit(std::span<const Pixel> plane,
-                                                  std::span<const Pixel> image,
-                                                  const Pixel& middle, double sigma = 0);
+                                                  std::span<const Pixel> image, const Pixel& middle,
+                                                  double sigma = 0);
 
   [[nodiscard]] Pixel image_of(const Pixel& p) const;
   // Of the points that it was made of, RMS, px.

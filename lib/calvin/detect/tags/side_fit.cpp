@@ -21,9 +21,9 @@ namespace {
 using Vector = Eigen::Matrix<double, kSideUnknowns, 1>;
 using Matrix = Eigen::Matrix<double, kSideUnknowns, kSideUnknowns>;
 
-constexpr double kLeastWidth = 0.3;     // px, about what a pixel itself has
-constexpr double kLeastContrast = 8;    // grey levels
-constexpr double kRounding = 1.0 / 12;  // grey levels^2
+constexpr double kLeastWidth = 0.3;               // px, about what a pixel itself has
+constexpr double kLeastContrast = 8;              // grey levels
+constexpr double kRounding = 1.0 / 12;            // grey levels^2
 constexpr std::size_t kSegments = kSideSegments;  // of which something may cover some
 constexpr int kFewestSegments = 4;
 constexpr int kMostRough = 6;  // of so many lines of pixels across the side one is taken
@@ -232,7 +232,7 @@ bool SideSteps::step() {
 bool SideSteps::converge() {
   constexpr int kSteps = 12;
   const double converged = every_ > 1 ? 1e-2 : 1e-3;  // px
-  constexpr double kMoved = 0.4;       // px, after which other pixels are near
+  constexpr double kMoved = 0.4;                      // px, after which other pixels are near
   for (int i = 0; i < kSteps; ++i) {
     if (!step()) return false;
     const double moved = std::max({std::abs(curve_.at(-1) - gathered_.at(-1)),

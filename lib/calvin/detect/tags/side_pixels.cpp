@@ -180,7 +180,7 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
     top = std::min(top, p.y());
     bottom = std::max(bottom, p.y());
   }
-    const double t_step = frame.along().x() / frame.half();
+  const double t_step = frame.along().x() / frame.half();
   const double n_step = frame.outwards().x();
   // Lines across the side are rows where it is steep, and else columns.
   const bool is_steep = std::abs(frame.along().y()) > std::abs(frame.along().x());
@@ -223,7 +223,8 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
   }
   pixels.finish();
   const double blur = width / frame.half();
-  SideBits bits{blurred(guess.cuts, guess.first, blur), blurred(guess.cuts, guess.behind, blur), {}};
+  SideBits bits{
+      blurred(guess.cuts, guess.first, blur), blurred(guess.cuts, guess.behind, blur), {}};
   if (guess.beyond) bits.beyond.fill(1);
   if (!guess.outer.empty()) bits.beyond = blurred(guess.outer_cuts, guess.outer, blur);
   add_bits(pixels, bits, guess.beyond || !guess.outer.empty());

@@ -33,11 +33,11 @@ struct SidePixels {
   std::vector<float> t;
   std::vector<float> n;  // px
   std::vector<float> grey;
-  std::vector<float> first;   // the bits of the first row, blurred along the side
-  std::vector<float> second;  // and of the second one
-  std::vector<float> beyond;  // and behind the gap
-  std::vector<float> weight;  // 1, or 0 for a pixel that shows something else
-  std::vector<float> error;   // of the fit, grey levels
+  std::vector<float> first;           // the bits of the first row, blurred along the side
+  std::vector<float> second;          // and of the second one
+  std::vector<float> beyond;          // and behind the gap
+  std::vector<float> weight;          // 1, or 0 for a pixel that shows something else
+  std::vector<float> error;           // of the fit, grey levels
   std::vector<std::int32_t> segment;  // of the side, from t = -1 on
 
   [[nodiscard]] std::size_t segment_of(std::size_t pixel) const {

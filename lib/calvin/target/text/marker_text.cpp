@@ -10,6 +10,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
@@ -60,10 +61,23 @@ std::optional<tl::unexpected<Error>> explain_missing_library(std::string_view na
                   name, join(boards, ", ")));
 }
 
-// But for capitals.
-bool are_alike(std::string_view a, std::string_view b) {
+// But for capitals, and for what all names of a library begin with.
+bool is_meant(std::string_view name, std::string_view known) {
   const auto small = [](unsigned char c) { return std::tolower(c); };
-  return std::ranges::equal(a, b, {}, small, small);
+  const auto are_alike = [&](std::string_view a) {
+    return std::ranges::equal(a, name, {}, small, small);
+  };
+  return are_alike(known) || std::ranges::any_of(std::array{"DICT_", "tag"}, [&](const char* all) {
+           return known.starts_with(all) && are_alike(known.substr(std::strlen(all)));
+         });
+}
+
+// As 5x7.
+bool is_size(std::string_view text) {
+  const auto is_part = [](char c) {
+    return c == 'x' || std::isdigit(static_cast<unsigned char>(c));
+  };
+  return text.find('x') != std::string_view::npos && std::ranges::all_of(text, is_part);
 }
 
 Result<const MarkerDictionary*> parse_dictionary(std::string_view name) {
@@ -72,12 +86,13 @@ Result<const MarkerDictionary*> parse_dictionary(std::string_view name) {
   std::vector<std::string> names;
   for (const MarkerDictionary& known : marker_dictionaries()) names.emplace_back(known.name);
   const auto meant = std::ranges::find_if(
-      names, [name](const std::string& known) { return are_alike(known, name); });
+      names, [name](const std::string& known) { return is_meant(name, known); });
   if (meant != names.end()) {
     return refuse_text(fmt::format("there is no dictionary '{}', but '{}'", name, *meant));
   }
-  return refuse_text(
-      fmt::format("there is no dictionary '{}'; known are {}", name, join(names, ", ")));
+  const std::string_view missing =
+      is_size(name) ? "a dictionary or family is missing before" : "there is no dictionary";
+  return refuse_text(fmt::format("{} '{}'; known are {}", missing, name, join(names, ", ")));
 }
 
 // The name of a dictionary, or of a family of AprilTags as they and Kalibr call it.

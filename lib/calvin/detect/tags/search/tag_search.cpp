@@ -85,8 +85,7 @@ void TagSearch::read_quad(Pyramid& pyramid, int level, const Quad& quad) {
   // The blur of one tag is likely to be that of the next.
   const double width = tags_.empty() ? kUsualWidth : tags_.back().fit.width;
   const TagGuess guess{upright, reach, unknown_bends(upright), width, SideCare::kRough};
-  ReadTag tag{code->id, code->wrong,
-              fit_tag(pyramid.level(0), guess, pattern), false};
+  ReadTag tag{code->id, code->wrong, fit_tag(pyramid.level(0), guess, pattern), false};
   if (tag.fit.seen() > 0) tags_.push_back(tag);
 }
 

@@ -12,8 +12,8 @@
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/tags/quads.hpp"
 #include "calvin/detect/tags/sheet/sheet_conflicts.hpp"
-#include "calvin/detect/tags/tag_reader.hpp"
 #include "calvin/detect/tags/sheet/tag_sheet.hpp"
+#include "calvin/detect/tags/tag_reader.hpp"
 
 namespace calvin::detect {
 

@@ -143,8 +143,8 @@ void TagSheet::grow(std::span<const ReadTag> tags, std::size_t seed) {
 }
 
 // Takes a tag where its sides and its bits are.
-bool TagSheet::take_if_seen(const ImageView& image, const TagReader& reader,
-                            GridPlace place, const TagGuess& guess) {
+bool TagSheet::take_if_seen(const ImageView& image, const TagReader& reader, GridPlace place,
+                            const TagGuess& guess) {
   constexpr double kSmallSigma = 0.3;  // px
   constexpr double kLeastBits = 5;     // nats; a tag at another place is none of these
   constexpr double kOfOthers = 0.7;    // of the bits: as many are alike by chance

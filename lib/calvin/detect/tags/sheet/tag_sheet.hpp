@@ -93,8 +93,8 @@ class TagSheet {
                              const LensMap* map);
   void fit_again(const ImageView& image, const TagReader& reader, const LensMap* map,
                  std::size_t from);
-  [[nodiscard]] bool take_if_seen(const ImageView& image, const TagReader& reader,
-                                  GridPlace place, const TagGuess& guess);
+  [[nodiscard]] bool take_if_seen(const ImageView& image, const TagReader& reader, GridPlace place,
+                                  const TagGuess& guess);
   void drop_vague_corners();
   void compare_corners(const LensMap& map);
 
