@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <exception>
 #include <optional>
@@ -15,14 +16,18 @@
 #include "calvin/detect/checkerboard/code/any_code.hpp"
 #include "calvin/detect/checkerboard/sheets/sheet_search.hpp"
 #include "calvin/detect/circles/circle_detector.hpp"
+#include "calvin/detect/detector.hpp"
 #include "calvin/detect/tags/search/any_tags.hpp"
+#include "calvin/detect/tags/search/tag_spacing.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
 namespace {
 
-constexpr double kUsualSpacing = 0.3;  // of a tag's side: AprilGrids as Kalibr prints them
+// Of a tag's side: AprilGrids as Kalibr prints them, and others.
+constexpr double kUsualSpacing = 0.3;
+constexpr std::array kOtherSpacings = {0.25, 0.35, 0.2, 0.4, 0.5, 0.6};
 
 bool has_code(const IdentifiedBoard& seen) {
   return seen.board.as<Checkerboard>() == nullptr && seen.board.as<CircleGrid>() == nullptr &&
@@ -46,12 +51,52 @@ void find_squares(const ImageView& image, detect::Pattern pattern, const std::st
   }
 }
 
+// The AprilGrid whose gaps are about as wide as a spacing, with those that it has.
+std::optional<IdentifiedBoard> find_april_grid(const ImageView& image, double side, double spacing,
+                                               const std::stop_token& stop) {
+  constexpr int kRounds = 3;
+  constexpr double kAlike = 0.012;  // of spacings
+  std::optional<IdentifiedBoard> best;
+  for (int i = 0; i < kRounds; ++i) {
+    auto pattern = detect::any_april_grid(side, spacing);
+    std::vector<IdentifiedBoard> seen;
+    if (pattern) find_squares(image, *std::move(pattern), stop, seen);
+    const auto* grid = seen.empty() ? nullptr : seen.front().board.as<AprilGrid>();
+    if (grid == nullptr) return best;
+    const auto detector = make_detector(seen.front().board);
+    if (!detector) return best;
+    const Detection corners = (*detector)->detect(image, stop);
+    // Corners that gaps of this width do not explain are those of others.
+    if (!corners.observation.found()) return best;
+    const AprilGrid with_gaps = detect::with_seen_gaps(*grid, corners.observation);
+    const auto board = parse_board(with_gaps.text());
+    best = IdentifiedBoard{board ? *board : seen.front().board, seen.front().whole, false};
+    if (std::abs(with_gaps.spacing - spacing) < kAlike) break;
+    spacing = with_gaps.spacing;
+  }
+  return best;
+}
+
+// The same where a few of its tags are seen.
+std::optional<IdentifiedBoard> find_april_grid_of(const detect::TagsInView& tags,
+                                                  const ImageView& image, double side,
+                                                  const std::stop_token& stop) {
+  const auto* grid = tags.grid ? tags.grid->board.as<AprilGrid>() : nullptr;
+  std::optional<IdentifiedBoard> found;
+  if (grid != nullptr) found = find_april_grid(image, side, grid->spacing, stop);
+  for (const double spacing : kOtherSpacings) {
+    if (found || !tags.of_april_tag) break;
+    found = find_april_grid(image, side, spacing, stop);
+  }
+  return found;
+}
+
 std::vector<IdentifiedBoard> find_corners(const ImageView& image, double side,
                                           const std::stop_token& stop) {
   std::vector<IdentifiedBoard> seen;
   find_squares(image, detect::any_board_of_squares(side), stop, seen);
-  if (auto grid = detect::any_april_grid(side, kUsualSpacing)) {
-    find_squares(image, *std::move(grid), stop, seen);
+  if (auto grid = find_april_grid(image, side, kUsualSpacing, stop)) {
+    seen.push_back(*std::move(grid));
   }
   return seen;
 }
@@ -96,8 +141,11 @@ std::vector<IdentifiedBoard> find_boards(const ImageView& image, double side,
                                          const std::stop_token& stop) {
   auto all = find_corners(image, side, stop);
   if (std::ranges::none_of(all, has_code)) {
-    if (const auto tags = detect::find_any_tags(image, side, stop)) {
-      all.push_back({tags->board, tags->whole, false});
+    const detect::TagsInView tags = detect::find_any_tags(image, side, stop);
+    if (auto grid = find_april_grid_of(tags, image, side, stop)) {
+      all.push_back(*std::move(grid));
+    } else if (tags.grid) {
+      all.push_back({tags.grid->board, tags.grid->whole, false});
     }
   }
   if (std::ranges::none_of(all, has_code)) {

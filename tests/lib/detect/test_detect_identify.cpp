@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/detect/identify.hpp"
+#include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/target/marker_dictionary.hpp"
 #include "scenes.hpp"
@@ -112,6 +113,29 @@ TEST(Identify, NamesBoardsWithMarkers) {
 TEST(Identify, NamesBoardsOfAprilTag3) {
   if (!has_april_tag_3()) GTEST_SKIP() << "made without libapriltag";
   for (const char* text : kOfAprilTag3) expect_identified(text);
+}
+
+// However far the tags of an AprilGrid are apart, and however it is held: its text is that of the
+// board where it is said to be whole.
+TEST(Identify, NamesAprilGridsByTheirGaps) {
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const Camera camera = default_camera({1280, 720});
+  int named = 0;
+  int pictures = 0;
+  for (const char* text : {"aprilgrid:6x6:25mm:0.2", "aprilgrid:6x5:25mm:0.25:first=9",
+                           "aprilgrid:5x4:25mm:0.28", "aprilgrid:6x6:25mm:0.4"}) {
+    const Board board = parse_board(text).value();
+    const Motion motion(MotionKind::kRandom, camera, board, 5);
+    for (int n = 0; n < 8; ++n, ++pictures) {
+      const GrayImage image = render_board(camera, board, motion.camera_from_board(n),
+                                           {.noise = 2, .blur = 0.7, .seed = unsigned(n)});
+      for (const IdentifiedBoard& seen : identify_boards(image.view(), kSide)) {
+        named += seen.board == board ? 1 : 0;
+        EXPECT_TRUE(seen.board == board || !seen.whole) << seen.board.text() << " for " << text;
+      }
+    }
+  }
+  EXPECT_GE(10 * named, 9 * pictures);
 }
 
 // The middles of a single row or column of tags fill the picture: whether more of them follow is

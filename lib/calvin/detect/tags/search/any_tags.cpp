@@ -16,11 +16,11 @@
 
 #include <Eigen/LU>
 
-#include "calvin/detect/circles/lens_map.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/smoothing.hpp"
 #include "calvin/detect/tags/quads.hpp"
 #include "calvin/detect/tags/search/any_readers.hpp"
+#include "calvin/detect/tags/search/tag_spacing.hpp"
 #include "calvin/detect/tags/tag_fit.hpp"
 #include "calvin/target/kinds.hpp"
 
@@ -256,22 +256,6 @@ GridPlace count_from_first(std::vector<SeenTag>& tags) {
   return size;
 }
 
-// A gap as it was meant, in sides of a tag: most are multiples of a twentieth, or as narrow as can
-// be.
-struct Gap {
-  double share = 0;
-  bool is_certain = false;
-};
-Gap gap_of(double pitch, double least) {
-  constexpr double kUsual = 20;
-  constexpr double kFinest = 100;
-  constexpr double kNear = 0.012;
-  if (least > 0 && pitch - 1 - least < kNear) return {least, true};
-  const double usual = std::round((pitch - 1) * kUsual) / kUsual;
-  if (usual > 0 && std::abs(pitch - 1 - usual) < kNear) return {usual, true};
-  return {std::max(std::max(std::round((pitch - 1) * kFinest), 1.0) / kFinest, least), false};
-}
-
 // AprilTags that stand on their heads, as OpenCV has them.
 void turn_over(std::vector<SeenTag>& tags, Numbering& numbering, TagStyle& style) {
   style.april = false;
@@ -297,35 +281,15 @@ void fit_corners(const ImageView& image, const TagReader& reader, bool is_over,
   }
 }
 
-// px, how far corners are from where a lens and a pitch would have them.
-std::optional<double> misfit_of(const ImageView& image, std::span<const SeenTag> tags,
-                                double pitch) {
-  std::vector<Pixel> plane;
-  std::vector<Pixel> seen;
+std::vector<TagCorner> corners_of(std::span<const SeenTag> tags) {
+  std::vector<TagCorner> corners;
   for (const SeenTag& tag : tags) {
     for (std::size_t i = 0; i < 4; ++i) {
       const int right = i == 1 || i == 2 ? 1 : 0;
-      plane.push_back({pitch * tag.place.col + right, pitch * tag.place.row + (i < 2 ? 0 : 1)});
-      seen.push_back({tag.corners[i].x(), tag.corners[i].y()});
+      corners.push_back({tag.place, right, i < 2 ? 0 : 1, pixel_of(tag.corners[i])});
     }
   }
-  const auto map = LensMap::fit(plane, seen, image_center(image.size()));
-  return map ? std::optional(map->misfit()) : std::nullopt;
-}
-
-// The pitch for which the corners of all tags fit best, as a lens makes it seem larger here and
-// smaller there; `guess` where that tells nothing.
-double fit_pitch(const ImageView& image, std::span<const SeenTag> tags, double guess) {
-  constexpr double kStep = 0.04;
-  const auto before = misfit_of(image, tags, guess - kStep);
-  const auto at = misfit_of(image, tags, guess);
-  const auto after = misfit_of(image, tags, guess + kStep);
-  if (!before || !at || !after) return guess;
-  // Squares of misfits are a parabola.
-  const auto square = [](double x) { return x * x; };
-  const double bend = square(*before) - 2 * square(*at) + square(*after);
-  const double moved = 0.5 * (square(*before) - square(*after)) / bend;
-  return bend > 0 && std::abs(moved) < 2 ? guess + kStep * moved : guess;
+  return corners;
 }
 
 // The board of tags whose ids go by such a numbering, with rows that are counted downwards or, on
@@ -362,19 +326,19 @@ std::optional<AnyTags> board_of(const ImageView& image, std::vector<SeenTag> tag
 
 }  // namespace
 
-std::optional<AnyTags> find_any_tags(const ImageView& image, double side,
-                                     const std::stop_token& stop) {
+TagsInView find_any_tags(const ImageView& image, double side, const std::stop_token& stop) {
   Pyramid pyramid;
   pyramid.build(image);
   const auto quads = quads_of(pyramid, stop);
-  std::optional<AnyTags> best;
+  TagsInView seen;
   std::size_t most = kFewestTags - 1;
   for (const Readers& readers : any_readers()) {
-    if (stop.stop_requested()) return std::nullopt;
+    if (stop.stop_requested()) return {};
     const auto all = read_tags(pyramid, quads, readers);
     for (std::size_t k = 0; k < all.size(); ++k) {
       std::vector<SeenTag> tags = all[k];
       TagStyle style = readers.all[k].style();
+      seen.of_april_tag = seen.of_april_tag || (style.april && tags.size() >= 2);
       auto numbering =
           tags.size() > most ? numbering_of(tags, style.least_gap_share()) : std::nullopt;
       if (!numbering) continue;
@@ -386,14 +350,14 @@ std::optional<AnyTags> find_any_tags(const ImageView& image, double side,
       auto part = largest_part(tags, *numbering);
       if (part.size() <= most || are_among_others(part, tags)) continue;
       fit_corners(pyramid.level(0), readers.all[k], is_turned, part);
-      numbering->pitch = fit_pitch(pyramid.level(0), part, numbering->pitch);
+      numbering->pitch = fit_pitch(image.size(), corners_of(part), numbering->pitch);
       if (auto found = board_of(pyramid.level(0), part, *numbering, style, side)) {
-        best = *std::move(found);
+        seen.grid = *std::move(found);
         most = part.size();
       }
     }
   }
-  return best;
+  return seen;
 }
 
 }  // namespace calvin::detect

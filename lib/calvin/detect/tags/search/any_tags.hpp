@@ -17,11 +17,16 @@ struct AnyTags {
   bool whole = false;  // tags that went on at any side would be in view
 };
 
+struct TagsInView {
+  std::optional<AnyTags> grid;
+  bool of_april_tag = false;  // two tags or more of one of AprilTag's families
+};
+
 // Of any dictionary, in any way round, inverted or not, with borders of one or two cells; tags have
 // sides of `side` m, and gaps as much of it as they are seen to have, to a hundredth. Of the
-// dictionaries that begin with the same tags it is the smallest. Absent for fewer than three tags
+// dictionaries that begin with the same tags it is the smallest. No grid for fewer than three tags
 // side by side, and where no numbering explains their ids.
-[[nodiscard]] std::optional<AnyTags> find_any_tags(const ImageView& image, double side,
-                                                   const std::stop_token& stop);
+[[nodiscard]] TagsInView find_any_tags(const ImageView& image, double side,
+                                       const std::stop_token& stop);
 
 }  // namespace calvin::detect
