@@ -69,20 +69,22 @@ bool goes_on(const GridAlignment& alignment, const Lattice& lattice) {
 }
 
 // Whether a further line of nodes, of a board of which a code was read, would have been seen on any
-// side: it would lie in the image.
+// side: it would lie in the image, and so do those that were not found.
 bool is_next_line_in_view(const ImageView& image, const Lattice& lattice) {
   const CellRange e = lattice.extent();
-  const auto is_in_view = [&](Cell c) {
-    const auto place = lattice.in_reach(c) ? lattice.expect(c) : std::nullopt;
-    return !place ||
-           (place->x >= 0 && place->y >= 0 && place->x <= static_cast<float>(image.width - 1) &&
-            place->y <= static_cast<float>(image.height - 1));
-  };
-  for (int col = e.first.col; col <= e.last.col; ++col) {
-    if (!is_in_view({col, e.first.row - 1}) || !is_in_view({col, e.last.row + 1})) return false;
-  }
-  for (int row = e.first.row; row <= e.last.row; ++row) {
-    if (!is_in_view({e.first.col - 1, row}) || !is_in_view({e.last.col + 1, row})) return false;
+  for (int row = e.first.row - 1; row <= e.last.row + 1; ++row) {
+    for (int col = e.first.col - 1; col <= e.last.col + 1; ++col) {
+      const Cell c = {col, row};
+      const bool is_corner =
+          (col < e.first.col || col > e.last.col) && (row < e.first.row || row > e.last.row);
+      if (is_corner || !lattice.in_reach(c) || lattice.has(c)) continue;
+      const auto place = lattice.expect(c);
+      if (place &&
+          !(place->x >= 0 && place->y >= 0 && place->x <= static_cast<float>(image.width - 1) &&
+            place->y <= static_cast<float>(image.height - 1))) {
+        return false;
+      }
+    }
   }
   return true;
 }
