@@ -129,7 +129,7 @@ void print_pictures(const Folder& folder, const Outcome& outcome) {
     if (reason != outcome.reasons.end()) {
       left_out.add(pictures[i].path, reason->second);
     } else if (outcome.calibration) {
-      left_out.add(pictures[i].path, "its corners contradict the others'.");
+      left_out.add(pictures[i].path, calibrate_images::kNothingNew);
     }
   }
   left_out.print();

@@ -121,19 +121,27 @@ inline void look_at(const GstStructure* s, const std::vector<Picture>& pictures,
   std::fflush(stdout);
 }
 
-// A view that was found and is not taken.
+// Of a picture whose corners are no outliers, and not those of a view.
+inline constexpr const char* kNothingNew =
+    "it tells nothing that the others do not: it is a copy of one of them, or one of very many.";
+
+// A view that was found and is not taken. What is said of several in a row is said once.
 inline void refuse(const GstStructure* s, Outcome& outcome) {
   gboolean accepted = TRUE;
   guint64 time = 0;
   gst_structure_get_boolean(s, "accepted", &accepted);
   const char* reason = gst_structure_get_string(s, "reason");
   if (accepted || reason == nullptr || !gst_structure_get_uint64(s, "timestamp", &time)) return;
-  if (g_str_equal(reason, "not-found")) return;  // look_at() knows why
-  const bool outlier = g_str_equal(reason, "outlier");
-  outcome.reasons[picture_at(time)] =
-      outlier ? "its corners contradict those of the others: look for a bent board, blur, or "
-                "another camera."
-              : fmt::format("its board is {}.", reason);
+  std::string& why = outcome.reasons[picture_at(time)];
+  if (g_str_equal(reason, "outlier")) {
+    why =
+        "its corners contradict those of the others: look for a bent board, blur, or another "
+        "camera.";
+  } else if (g_str_equal(reason, "too-similar")) {
+    why = kNothingNew;
+  } else if (why.empty()) {  // else look_at() knows why
+    why = fmt::format("its board is {}.", reason);
+  }
 }
 
 // A picture that has changed or gone since it was looked at first.

@@ -58,7 +58,7 @@ GST_START_TEST(test_two_views_are_enough_where_they_differ) {
   for (const bool differ : {true, false}) {
     Fixture f("min-views=2 fix=k2,p1,p2,k3");
     gst_buffer_unref(f.push(0));
-    gst_buffer_unref(f.push_observation(f.seen(differ ? 5 : 0), 5));
+    gst_buffer_unref(f.push_observation(differ ? f.seen(5) : f.seen(0, 1), 5));
     f.eos();
     const GstStructure* r = f.result("final");
     if (differ) {

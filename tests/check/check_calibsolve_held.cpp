@@ -92,7 +92,7 @@ GST_START_TEST(test_the_failure_of_a_held_solve_is_forgotten_with_its_session) {
   (gst_debug_add_log_function)(hold_where_unsolved, nullptr, nullptr);
   gst_debug_set_threshold_for_name("calibsolve", GST_LEVEL_INFO);
   unsolved.close();
-  for (int i = 0; i < 3; ++i) gst_buffer_unref(f.push_observation(f.seen(3), i));
+  for (int i = 0; i < 3; ++i) gst_buffer_unref(f.push_observation(f.seen(3, i), i));
   fail_unless(unsolved.reached());
   kEnds[__i__].end(f);
   unsolved.open();

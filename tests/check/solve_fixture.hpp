@@ -37,9 +37,10 @@ struct SolveFixture {
     gst_harness_teardown(h);
   }
 
-  Observation seen(int n) {
+  // `times`: how often it was seen before; noise is another one each time.
+  Observation seen(int n, int times = 0) {
     Observation o = scene.truth(n);
-    std::mt19937 random(static_cast<unsigned>(n));
+    std::mt19937 random(static_cast<unsigned>(n + 1000 * times));
     std::normal_distribution<double> noise(0, 0.1);
     for (Pixel& p : o.uv) p = {p.u + noise(random), p.v + noise(random)};
     o.sigma.assign(o.ids.size(), 0.1);

@@ -22,7 +22,10 @@ namespace calvin {
 namespace {
 
 constexpr std::size_t kFewestCorners = 6;
-constexpr double kStill = 0.1;           // px while a frame is read out
+constexpr double kStill = 0.1;  // px while a frame is read out
+// s, between frames: over a longer time no hand moves evenly, and two stills tell nothing of what
+// a board did while one was read.
+constexpr double kFarApart = 0.12;
 constexpr double kSharp = 0.0015;        // of the image diagonal, 1 sigma of the edges
 constexpr double kSharpEnough = 2;       // px
 constexpr double kSmallest = 0.01;       // of the image's area
@@ -95,6 +98,11 @@ Reason Session::judge(const View& view, Recent& r, ViewWorth worth) {
   }
   const auto place = full() ? place_of(worth.in_place_of) : std::nullopt;
   if ((full() && !place) || is_kept(view.observation, restored_)) return Reason::kTooSimilar;
+  // A copy of a picture says nothing of its own.
+  const auto is_copy = [&view](const std::shared_ptr<const View>& kept) {
+    return shows_same_picture(kept->observation, view.observation);
+  };
+  if (std::ranges::any_of(views_, is_copy)) return Reason::kTooSimilar;
   const bool mend = velocities && is_significant(*velocities);
   return keep(std::make_shared<const View>(mend ? moving(view, *velocities) : view), place);
 }
@@ -147,7 +155,10 @@ std::optional<CornerVelocities> Session::velocities_of(Sighting& now, const Sigh
   now.before = before.seen;
   now.motion = before.motion;
   if (now.motion) now.motion->uneven *= kRemembered;
-  if (!before.before) return std::nullopt;
+  if (!before.before || seconds_between(*before.before, before.seen) > kFarApart ||
+      seconds_between(before.seen, now.seen) > kFarApart) {
+    return std::nullopt;
+  }
   auto velocities = corner_velocities(*before.before, before.seen, now.seen);
   if (!velocities) return std::nullopt;
   const double uneven =
@@ -197,7 +208,7 @@ double Session::frame_time() const {
 std::optional<ReadoutTime> Session::readout() const {
   if (options_.readout != 0) return ReadoutTime{options_.readout, 0};
   const double most = frame_time();
-  return most > 0 ? std::optional(ReadoutTime{0, most}) : std::nullopt;
+  return most > 0 && most <= kFarApart ? std::optional(ReadoutTime{0, most}) : std::nullopt;
 }
 
 std::optional<std::string> Session::readout_doubt() const {

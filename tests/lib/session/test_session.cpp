@@ -36,7 +36,7 @@ TEST_F(Sessions, AllKeepsWhateverIsUsable) {
   Session session({CaptureMode::kAll, 3, 0});
   const View view = see(0, 0, 0.5);
   EXPECT_EQ(session.offer(view), Reason::kAccepted);
-  EXPECT_EQ(session.offer(view), Reason::kAccepted);
+  EXPECT_EQ(session.offer(see(0, 0, 0.5)), Reason::kAccepted) << "with another noise";
   EXPECT_FALSE(session.complete());
 
   View none = view;
@@ -55,7 +55,7 @@ TEST_F(Sessions, AllKeepsWhateverIsUsable) {
   EXPECT_EQ(session.offer(large), Reason::kOffSize);
   EXPECT_EQ(session.views().size(), 2u);
 
-  EXPECT_EQ(session.offer(view), Reason::kAccepted);
+  EXPECT_EQ(session.offer(see(0, 0, 0.5)), Reason::kAccepted);
   EXPECT_TRUE(session.complete());
   session.reset();
   EXPECT_EQ(session.offer(large), Reason::kAccepted);
@@ -151,10 +151,10 @@ TEST_F(Sessions, ManualKeepsWhatIsAskedFor) {
   EXPECT_EQ(session.offer(view), Reason::kAccepted);
   EXPECT_EQ(session.offer(view), Reason::kTooSimilar);
   session.capture_next();
-  EXPECT_EQ(session.offer(view), Reason::kAccepted);
+  EXPECT_EQ(session.offer(see(0, 0, 0.5)), Reason::kAccepted);
   EXPECT_TRUE(session.complete());
   session.capture_next();
-  EXPECT_EQ(session.offer(view), Reason::kTooSimilar) << "max-views";
+  EXPECT_EQ(session.offer(see(0, 0, 0.5)), Reason::kTooSimilar) << "max-views";
 }
 
 TEST_F(Sessions, RemovingAViewTakesItsCoverageBack) {
@@ -211,6 +211,30 @@ TEST_F(Sessions, FollowingTheHintsCompletesTheSession) {
   }
   EXPECT_TRUE(session.complete()) << session.progress().hint;
   EXPECT_EQ(session.progress().size, 1);
+}
+
+// A camera that repeats its frames, a recording that is shown again, copies of a picture in a
+// folder: whatever their times, they are one view.
+TEST_F(Sessions, CopiesOfAPictureCountOnce) {
+  Session session({CaptureMode::kAll, 3, 0});
+  std::vector<View> pictures;
+  for (int i = 0; i < 3; ++i) pictures.push_back(see(0, 0, 0.5));
+  for (int n = 0; n < 9; ++n) {
+    View copy = pictures[static_cast<std::size_t>(n % 3)];
+    copy.observation.timestamp = static_cast<std::uint64_t>(n) * 33'000'000;
+    // A detector that begins elsewhere ends elsewhere, by far less than the noise.
+    for (Pixel& p : copy.observation.uv) p.u += 1e-3 * (n % 2);
+    EXPECT_EQ(session.offer(copy), n < 3 ? Reason::kAccepted : Reason::kTooSimilar) << n;
+  }
+  EXPECT_EQ(session.views().size(), 3U);
+  // Without sigmas nobody knows what is less than the noise.
+  Session unknown({CaptureMode::kAll, 3, 0});
+  View view = pictures.front();
+  view.observation.sigma.clear();
+  EXPECT_EQ(unknown.offer(view), Reason::kAccepted);
+  EXPECT_EQ(unknown.offer(view), Reason::kTooSimilar);
+  view.observation.uv.front().u += 1e-3;
+  EXPECT_EQ(unknown.offer(view), Reason::kAccepted);
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST_F(SessionFrames, TakeNoCopyOfAFrameForAnother) {
   EXPECT_EQ(offer(at(0), 1), Reason::kTooSimilar);
   EXPECT_EQ(session_.views().views().size(), 1u);
   // A camera that stamps all of its frames with one time has noise in them.
-  EXPECT_EQ(offer(at(0, 0.01), 2), Reason::kAccepted);
+  EXPECT_EQ(offer(at(0, 0.1), 2), Reason::kAccepted);
 }
 
 TEST_F(SessionFrames, TakeACopyThatIsAskedForOnce) {

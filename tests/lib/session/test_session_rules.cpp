@@ -299,7 +299,7 @@ TEST(Complete, AtTheLastViewOrWhereAllIsSpanned) {
   Session session({CaptureMode::kAll, 3, 0});
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(session.complete()) << i;
-    session.offer(look({}));
+    session.offer(shifted(look({}), 0.1 * i, 0));
   }
   EXPECT_TRUE(session.complete());
   Session limited({CaptureMode::kAuto, 2, 3});

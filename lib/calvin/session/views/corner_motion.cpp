@@ -112,6 +112,26 @@ double seconds_between(const Observation& from, const Observation& to) {
                                        : 0;
 }
 
+bool shows_same_picture(const Observation& a, const Observation& b) {
+  constexpr double kAlike = 0.2;      // sigmas; of two pictures it is the root of 2
+  constexpr double kRounding = 1e-6;  // px
+  if (a.board != b.board || a.ids != b.ids || a.uv.size() != b.uv.size()) return false;
+  double squares = 0;
+  double most = 0;
+  // Most pictures differ in the first corner already.
+  for (std::size_t i = 0; i < a.uv.size(); ++i) {
+    const auto known = [i](const Observation& o) {
+      return i < o.sigma.size() && is_known_sigma(o.sigma[i]) ? o.sigma[i] : 0;
+    };
+    const double sigma = kAlike * std::min(known(a), known(b)) + kRounding;
+    const double step = square({a.uv[i].u - b.uv[i].u, a.uv[i].v - b.uv[i].v});
+    if (step > 100 * sigma * sigma) return false;
+    squares += step;
+    most += 2 * sigma * sigma;
+  }
+  return squares <= most;
+}
+
 CornerMotion corner_motion(const Observation& from, const Observation& to) {
   std::vector<Pixel> moves;
   Pixel mean;

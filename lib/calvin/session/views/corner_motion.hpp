@@ -22,6 +22,11 @@ struct CornerMotion {
 };
 [[nodiscard]] CornerMotion corner_motion(const Observation& from, const Observation& to);
 
+// Whether two observations are of one picture, or of copies of it, as of a camera that repeats
+// frames: noise, which is another one in each picture, is the same in both. Of a picture without
+// noise, or whose corners have no sigmas, only an equal one is.
+[[nodiscard]] bool shows_same_picture(const Observation& a, const Observation& b);
+
 // s; 0 where it is not known.
 [[nodiscard]] double seconds_between(const Observation& from, const Observation& to);
 
