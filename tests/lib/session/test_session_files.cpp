@@ -141,6 +141,62 @@ TEST_F(FilesOfSessions, AreReplacedAtOnceBySomethingAsGoodOfTheSameCamera) {
   }
 }
 
+// Of two sessions in a row that were worse, the second one takes the place of the first.
+TEST_F(FilesOfSessions, KeepTheBestOfSeveralSessions) {
+  leave(0.01);
+  for (const double error : {0.3, 0.4, 0.35}) {
+    begin_with();
+    show(3);
+    solve(error);
+    write();
+    ASSERT_TRUE(session_.solve_now(settings_).has_value());
+    solve(error);
+    write();
+    EXPECT_FALSE(is_left(path_));
+    EXPECT_TRUE(is_left(path_ + "~")) << error;
+    const auto said = notices();
+    const std::string last = said.empty() ? "" : said.back();
+    EXPECT_EQ(last.find("better") != std::string::npos, error != 0.35) << last;
+    EXPECT_EQ(last.find("better still, and stays") != std::string::npos, error == 0.4) << last;
+  }
+}
+
+// A file of boards, views that another session wrote down, a letter.
+TEST_F(FilesOfSessions, KeepWhatIsNoCalibration) {
+  for (const char* copy : {"~", "~2~", "~3~"}) {
+    ASSERT_TRUE(write_file(path_, std::string("a letter ") + copy).has_value());
+    begin_with();
+    show(3);
+    solve(0.3);
+    write();
+    EXPECT_EQ(views_of(path_), 3);
+    EXPECT_EQ(read_file(path_ + copy).value_or(""), std::string("a letter ") + copy);
+    const auto said = notices();
+    ASSERT_EQ(said.size(), 1U);
+    EXPECT_NE(said[0].find("is kept as '" + path_ + copy + "'"), std::string::npos) << said[0];
+    solve_again(0.2);
+    write();
+    EXPECT_TRUE(notices().empty()) << "it is this session's";
+  }
+}
+
+// An error of so many pixels is less in a larger picture.
+TEST_F(FilesOfSessions, CompareErrorsInPartsOfThePicture) {
+  Calibration left = camera_.to_calibration();
+  left.camera = "left";
+  left.image_size = {left.image_size.width / 2, left.image_size.height / 2};
+  left.expected_error = 0.2;
+  ASSERT_TRUE(write_calibration(path_, left).has_value());
+  begin_with();
+  show(3);
+  solve(0.3);
+  ASSERT_TRUE(session_.solve_now(settings_).has_value());
+  solve(0.3);
+  write();
+  EXPECT_EQ(views_of(path_), 3);
+  for (const std::string& said : notices()) EXPECT_EQ(said.find("better"), std::string::npos);
+}
+
 TEST_F(FilesOfSessions, AreAnothersAgainForTheNextSession) {
   begin_with();
   show(4);

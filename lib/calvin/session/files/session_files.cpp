@@ -27,29 +27,74 @@ std::string figures(const Calibration& calibration) {
   return text;
 }
 
+// The errors of pictures of different sizes are compared in parts of them.
+bool is_better(const Calibration& one, const Calibration& other) {
+  const auto error = compared_error(one);
+  const auto of_other = compared_error(other);
+  if (!error || !of_other) return error.has_value();
+  return *error * other.image_size.width < *of_other * one.image_size.width;
+}
+
+// A copy of what a file held, which is kept unless a better one of the same camera is there
+// already, and where it is for the user.
+struct Kept {
+  Status status;
+  std::string where;
+};
+
+Kept keep_calibration(const std::string& path, const Calibration& before) {
+  const auto copy = read_calibration(copy_of(path));
+  const bool is_like =
+      copy && copy->camera == before.camera && copy->image_size == before.image_size;
+  if (is_like && is_better(*copy, before)) {
+    return {{}, fmt::format("'{}' holds one that was better still, and stays.", copy_of(path))};
+  }
+  Status kept = keep_copy(path);
+  std::string where = kept ? fmt::format("It is kept as '{}'.", copy_of(path))
+                           : "No copy of it could be kept. " + kept.error().message;
+  return {std::move(kept), std::move(where)};
+}
+
 // A word for the user where the calibration before was better by its own figures.
 std::optional<Error> lost_by(const std::string& path, const Calibration& before,
-                             const Calibration& now, const Status& kept) {
-  const auto error_before = compared_error(before);
-  if (!error_before) {
-    if (kept) return std::nullopt;
-    return Error{
-        kept.error().code,
-        fmt::format("'{}' held a calibration of another session, which this one's took the "
-                    "place of. No copy of it could be kept. {}",
-                    path, kept.error().message)};
+                             const Calibration& now, const Kept& kept) {
+  if (!compared_error(before)) {
+    if (kept.status) return std::nullopt;
+    return Error{kept.status.error().code,
+                 fmt::format("'{}' held a calibration of another session, which this one's took "
+                             "the place of. {}",
+                             path, kept.where)};
   }
-  const auto error = compared_error(now);
-  if (error && *error <= *error_before) return std::nullopt;
-  const std::string whose =
-      before.camera != now.camera ? fmt::format(" of the camera '{}'", before.camera) : "";
-  const std::string where = kept ? fmt::format("It is kept as '{}'.", copy_of(path))
-                                 : "No copy of it could be kept. " + kept.error().message;
-  return Error{
-      ErrorCode::kInvalidArgument,
-      fmt::format("'{}' held a calibration{} of another session that was better by its own "
-                  "figures, with {}; this one, with {}, took its place. {}",
-                  path, whose, figures(before), figures(now), where)};
+  if (!is_better(before, now)) return std::nullopt;
+  std::string whose;
+  if (before.camera != now.camera) whose += fmt::format(" of the camera '{}'", before.camera);
+  if (before.image_size != now.image_size) {
+    whose += fmt::format(" of {}x{} pictures", before.image_size.width, before.image_size.height);
+  }
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("'{}' held a calibration{} of another session that was better by its "
+                           "own figures, with {}; this one, with {}, took its place. {}",
+                           path, whose, figures(before), figures(now), kept.where)};
+}
+
+// Keeps what is no calibration, under a name that is free, and says so: whoever names a file of
+// boards or of views here means another one.
+std::optional<Error> keep_other(const std::string& path) {
+  constexpr int kMost = 100;
+  std::string copy = copy_of(path);
+  for (int n = 2; n <= kMost && read_file(copy); ++n) copy = fmt::format("{}~{}~", path, n);
+  const auto bytes = read_file(path);
+  if (!bytes || bytes->empty()) return std::nullopt;
+  if (const Status kept = write_file(copy, *bytes); !kept) {
+    return Error{kept.error().code,
+                 fmt::format("'{}' held something that is no calibration, which this one took the "
+                             "place of. No copy of it could be kept. {}",
+                             path, kept.error().message)};
+  }
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("'{}' held something that is no calibration, which this one took the "
+                           "place of. It is kept as '{}'.",
+                           path, copy)};
 }
 
 }  // namespace
@@ -98,11 +143,18 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
       if (outcome.kept.empty()) outcome.kept = file.path;
       continue;
     }
-    const Status kept = before != foreign.end() ? keep_copy(file.path) : Status();
-    Status written = write_one(file, calibration);
-    if (written && before != foreign.end() && !outcome.lost) {
-      outcome.lost = lost_by(file.path, before->second, calibration, kept);
+    Kept kept;
+    std::optional<Error> lost;
+    if (before != foreign.end()) {
+      kept = keep_calibration(file.path, before->second);
+    } else if (!is_stream(file.path) && !holds_ours(file.path)) {
+      lost = keep_other(file.path);
     }
+    Status written = write_one(file, calibration);
+    if (written && before != foreign.end()) {
+      lost = lost_by(file.path, before->second, calibration, kept);
+    }
+    if (written && lost && !outcome.lost) outcome.lost = std::move(lost);
     if (!written && outcome.status) outcome.status = std::move(written);
   }
   return outcome;

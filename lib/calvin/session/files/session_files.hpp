@@ -28,9 +28,10 @@ class SessionFiles {
   // Writes a final result to all files. One on the way to it does not take the place of another
   // session's calibration, unless may_replace() says that nothing is lost; it goes to files that
   // are not there yet or hold no calibration, and to those that hold what this session has written
-  // before: what someone has put there since is another session's. A pipe or a device gets final
-  // results alone: what is read from it cannot be replaced. What another session's file FILE held
-  // is kept as FILE~.
+  // before: what someone has put there since is another session's. What is no calibration is kept,
+  // too. A pipe or a device gets final results alone: what is read from it cannot be replaced. What
+  // another session's file FILE held is kept as FILE~, unless that holds a better one of the same
+  // camera already.
   //
   // Before each file counts() is asked; once it is false the others stay as they are.
   [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
