@@ -20,6 +20,7 @@
 #include "calibrate_images_pair.hpp"
 #include "calibrate_images_run.hpp"
 #include "calvin/core/file.hpp"
+#include "calvin/detect/board_identifier.hpp"
 #include "calvin/io/board_names.hpp"
 #include "print_calibration.hpp"
 
@@ -206,12 +207,21 @@ bool parse(int argc, char** argv, Options& options) {
   return true;
 }
 
+// A board, several, or whichever is seen.
+calvin::Status check_board(const std::string& text) {
+  if (const auto any = calvin::parse_auto_board(text)) {
+    return *any ? calvin::Status() : tl::unexpected(any->error());
+  }
+  const auto boards = calvin::parse_boards(text);
+  return boards ? calvin::Status() : tl::unexpected(boards.error());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return kUsage;
-  if (const auto board = calvin::parse_boards(options.board); !board) {
+  if (const calvin::Status board = check_board(options.board); !board) {
     fmt::print(stderr, "{}\n", board.error().message);
     return kUsage;
   }

@@ -239,6 +239,11 @@ for size in 640x480 160x120; do
   grep -q '^8/8 07.jpg: 54 corners' out || fail "names behind a second picture: $(cat out)"
 done
 
+# Whichever board the pictures show, as the element takes it.
+rm -rf new
+expect 0 '^[678] of 8 pictures used' "$images" --board auto:25mm --output new exact
+expect 2 'auto:25mm' "$images" --board auto:wide --output new exact
+
 # A large folder takes no more than a small one: 100 pictures with 64 file descriptors. Copies of a
 # picture say nothing of their own.
 mkdir large

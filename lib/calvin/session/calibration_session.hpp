@@ -238,7 +238,7 @@ class CalibrationSession {
   // to be solved for the final result.
   std::string_view end_at_limit(bool solve = true);
   [[nodiscard]] std::string hint_text() const;
-  [[nodiscard]] Hint first_hint() const;
+  [[nodiscard]] std::string first_hint() const;
   [[nodiscard]] bool is_blurred() const;
   void solve_with_readout();
   [[nodiscard]] Offered note_light(const Observation& observation, const Board& board);

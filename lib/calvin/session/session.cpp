@@ -187,6 +187,8 @@ Reason Session::worth_keeping(const View& view, Pace pace, bool worth_it,
   if (hull_area(seen) < kSmallest * size.width * size.height) return Reason::kTooSmall;
   if (pace == Pace::kUnknown) return Reason::kMoving;
   if (seen.blur > std::max(kSharp * diagonal(size), kSharpEnough)) return Reason::kBlurred;
+  // A board that moves evenly waits until it is held still: there is nothing that it is similar to.
+  if (!worth_it && pace == Pace::kSteady && views_.empty()) return Reason::kMoving;
   return worth_it && is_new(view, in_place_of) ? Reason::kAccepted : Reason::kTooSimilar;
 }
 

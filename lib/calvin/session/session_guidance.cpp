@@ -14,7 +14,11 @@ namespace calvin {
 
 namespace {
 
-constexpr double kFar = 0.25;                 // of what the target tells: less is nowhere near it
+constexpr double kFar = 0.25;  // of what the target tells: less is nowhere near it
+constexpr const char* kBlurred =
+    "The picture is blurred: focus the lens, or give it more light and a shorter exposure.";
+constexpr const char* kAskForViews =
+    "Views are taken when they are asked for: press the space bar, or send capture-view.";
 constexpr std::uint64_t kLost = 700'000'000;  // ns, longer than a board is lost while it moves
 
 // Whether that long has passed; not where a time is unknown.
@@ -148,12 +152,12 @@ std::string CalibrationSession::hint_text() const {
   const bool is_told = notice_until_ != kNoTimestamp && newest_ <= notice_until_;
   if (is_told) return notice_;
   if (!finished_ && is_blurred()) {
-    return "The picture is blurred: focus the lens, or give it more light and a shorter exposure.";
+    return kBlurred;
   }
   // More views of the kind do not help where the views contradict what is solved.
   const bool is_doubted = !finished_ && is_accurate_ && !is_good_enough_;
   if (is_doubted) return advice(misfit_);
-  if (views_.views().empty()) return to_text(first_hint());
+  if (views_.views().empty()) return first_hint();
   const bool is_saved = !plan_.settings.location.empty() && writes_.is_written();
   if (finished_ && is_saved) return done_text(plan_.settings.location);
   if (!leads_) return to_text(hint_);
@@ -170,12 +174,15 @@ bool CalibrationSession::is_blurred() const {
 }
 
 // Whoever shows the board and has no view of it yet has to know why.
-Hint CalibrationSession::first_hint() const {
+std::string CalibrationSession::first_hint() const {
+  const bool is_asked_for = views_.options().mode == CaptureMode::kManual;
   for (const Reason reason : last_reasons_) {
-    if (reason == Reason::kMoving) return {HintKind::kHoldStill};
-    if (reason == Reason::kTooSmall) return {HintKind::kComeCloser};
+    if (reason == Reason::kMoving) return to_text({HintKind::kHoldStill});
+    if (reason == Reason::kTooSmall) return to_text({HintKind::kComeCloser});
+    if (reason == Reason::kBlurred) return kBlurred;
+    if (reason == Reason::kTooSimilar && is_asked_for) return kAskForViews;
   }
-  return hint_;
+  return to_text(hint_);
 }
 
 void CalibrationSession::renew_hint() {

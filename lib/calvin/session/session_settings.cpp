@@ -186,6 +186,29 @@ constexpr Group kGroups[] = {
      read_files, keep_files},
 };
 
+// What was refused when it was seen does not hinder what is set after it; what belongs together may
+// be set one after the other.
+Status read_without_refused(SessionPlan& plan, const SessionPlan& before,
+                            const SessionSettings& seen) {
+  SessionPlan without;
+  SessionSettings& now = without.settings = plan.settings;
+  const SessionSettings& taken = before.settings;
+  const auto take_back = [&](auto of) {
+    if (now.*of == seen.*of) now.*of = taken.*of;
+  };
+  take_back(&SessionSettings::model);
+  take_back(&SessionSettings::method);
+  take_back(&SessionSettings::fix);
+  take_back(&SessionSettings::initial);
+  take_back(&SessionSettings::board);
+  take_back(&SessionSettings::board_shape);
+  take_back(&SessionSettings::warp);
+  take_back(&SessionSettings::skew);
+  Status read = read_lens_and_files(without);
+  if (read) plan = std::move(without);
+  return read;
+}
+
 }  // namespace
 
 Result<SessionPlan> make_plan(const SessionSettings& settings) {
@@ -202,7 +225,8 @@ PlanChange change_plan(const SessionPlan& before, const SessionSettings& seen,
   PlanChange change;
   change.plan.settings = now;
   for (const Group& group : kGroups) {
-    const Status read = group.same(seen, now) ? Status() : group.read(change.plan);
+    Status read = group.same(seen, now) ? Status() : group.read(change.plan);
+    if (!read && &group == kGroups) read = read_without_refused(change.plan, before, seen);
     if (!read) change.refused.push_back(read.error());
     if (!read || group.same(seen, now)) group.keep(change.plan, before);
   }

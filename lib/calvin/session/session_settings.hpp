@@ -64,7 +64,8 @@ struct SessionPlan {
 [[nodiscard]] Result<SessionPlan> make_plan(const SessionSettings& settings);
 
 // Settings that change while frames flow, from those `seen` last. What changed and cannot work goes
-// on as it was in `before`, with an error for it, and so does what was refused when it was seen.
+// on as it was in `before`, with an error for it, and so does what was refused when it was seen and
+// still cannot work.
 struct PlanChange {
   SessionPlan plan;
   std::vector<Error> refused;

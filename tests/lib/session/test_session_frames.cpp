@@ -45,6 +45,27 @@ TEST_F(SessionFrames, KnowThatTheBoardWasAway) {
   EXPECT_EQ(offer(at(31, 2), 31), Reason::kAccepted);
 }
 
+// Whoever moves it evenly does not show what was seen before: nothing was taken.
+TEST_F(SessionFrames, AskABoardThatMovesEvenlyToBeStill) {
+  begin_auto();
+  for (int n = 0; n < 20; ++n) {
+    EXPECT_EQ(offer(at(n, 1.0 * n), n), Reason::kMoving) << n;
+    EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kHoldStill})) << n;
+  }
+}
+
+TEST_F(SessionFrames, SayThatViewsHaveToBeAskedFor) {
+  begin();
+  SessionSettings settings = settings_;
+  settings.capture_mode = CaptureChoice::kManual;
+  set(settings);
+  EXPECT_EQ(offer(at(0), 0), Reason::kTooSimilar);
+  EXPECT_NE(session_.progress().hint.find("capture-view"), std::string::npos);
+  session_.capture_view();
+  EXPECT_EQ(offer(at(1, 0.1), 1), Reason::kAccepted);
+  EXPECT_EQ(session_.progress().hint.find("capture-view"), std::string::npos);
+}
+
 // "Show the whole board" would be no answer to who does.
 TEST_F(SessionFrames, AskABoardThatMovesToBeStill) {
   const auto hint = [this] { return session_.progress().hint; };

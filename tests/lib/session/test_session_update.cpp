@@ -334,5 +334,40 @@ TEST_F(SessionUpdates, BeginWithTheOptionsThatAreSet) {
   EXPECT_FALSE(session_.hint().target.has_value());
 }
 
+// What was refused once is not refused again with whatever is set next, and does not hinder it.
+TEST(PlanChanges, GoOnWithoutWhatWasRefused) {
+  SessionSettings settings;
+  const SessionPlan before = make_plan(settings).value();
+  SessionSettings wrong = settings;
+  wrong.initial = "nope";
+  EXPECT_EQ(change_plan(before, settings, wrong).refused.size(), 1U);
+  SessionSettings next = wrong;
+  next.model = "pinhole";
+  const PlanChange change = change_plan(before, wrong, next);
+  EXPECT_TRUE(change.refused.empty());
+  EXPECT_EQ(change.plan.options.model, "pinhole");
+  EXPECT_FALSE(change.plan.initial.has_value());
+  next.fix = "zzz";
+  const PlanChange other = change_plan(before, wrong, next);
+  ASSERT_EQ(other.refused.size(), 1U);
+  EXPECT_NE(other.refused.front().message.find("zzz"), std::string::npos);
+}
+
+// What belongs together may be set in any order.
+TEST(PlanChanges, TakeWhatWorksTogether) {
+  SessionSettings settings;
+  settings.model = "pinhole";
+  const SessionPlan before = make_plan(settings).value();
+  SessionSettings fixed = settings;
+  fixed.fix = "k2";
+  EXPECT_EQ(change_plan(before, settings, fixed).refused.size(), 1U) << "a pinhole has no k2";
+  SessionSettings both = fixed;
+  both.model = "brown5";
+  const PlanChange change = change_plan(before, fixed, both);
+  EXPECT_TRUE(change.refused.empty());
+  EXPECT_EQ(change.plan.options.model, "brown5");
+  EXPECT_EQ(change.plan.options.fix, std::vector<std::string>{"k2"});
+}
+
 }  // namespace
 }  // namespace calvin
