@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/detect/detector.hpp"
+#include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/target/kinds.hpp"
 #include "calvin/target/marker_dictionary.hpp"
@@ -195,6 +196,21 @@ TEST(WrongPuzzle, IsSaidByItsPlace) {
       EXPECT_EQ(d.reason, Reason::kWrongBoard) << text << " " << turn;
       EXPECT_EQ(d.seen_board, text) << turn;
     }
+  }
+}
+
+// Of a strip of the board one of the two codes is hardly seen: it is no board from elsewhere in the
+// map.
+TEST(WrongPuzzle, IsNoStripOfAnotherOne) {
+  const Board board = parse_board("puzzle:14x9:17mm").value();
+  const Board wanted = parse_board("puzzle:12x9:17mm").value();
+  const Camera camera = default_camera({640, 480});
+  const Motion motion(MotionKind::kRandom, camera, board, 0);
+  const auto detector = make_detector(wanted).value();
+  for (int n = 30; n < 40; ++n) {
+    const GrayImage image = render_board(camera, board, motion.camera_from_board(n),
+                                         {.noise = 2, .blur = 0.7, .seed = unsigned(n)});
+    EXPECT_EQ(detector->detect(image.view()).seen_board, board.text()) << n;
   }
 }
 

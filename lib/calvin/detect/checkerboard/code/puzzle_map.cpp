@@ -77,14 +77,21 @@ struct Place {
   double evidence = 0;  // nats
 };
 
+// Whether a code has told where it is: of a strip of the map one of the two is hardly seen, and
+// some place has most of its few bits right by chance.
+bool is_located(const CodeOffset& offset) {
+  constexpr double kLeast = 3;  // nats, beyond what the best of all places has by chance
+  const double chance = std::log(static_cast<double>(kLines * kPeriod));
+  return offset.right >= kLeastRight * offset.seen &&
+         evidence_of(offset.seen, offset.right) >= chance + kLeast;
+}
+
 // The corners of a lattice as the part of the map that fits its bits best.
 Place best_place(std::span<const CodeBit> turned, const CellRange& cells, double size) {
   const CodeOffset across = best_offset(turned, 0);
   const CodeOffset down = best_offset(turned, 1);
   Place place{{cells.cols(), cells.rows(), size}, 0};
-  if (across.right < kLeastRight * across.seen || down.right < kLeastRight * down.seen) {
-    return place;
-  }
+  if (!is_located(across) || !is_located(down)) return place;
   place.board.x0 = wrapped(with_remainders(down.at, across.line) + cells.first.col);
   place.board.y0 = wrapped(with_remainders(across.at, down.line) + cells.first.row);
   place.evidence = evidence_of(across.seen + down.seen, across.right + down.right);
