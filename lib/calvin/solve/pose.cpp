@@ -105,7 +105,37 @@ Calibration without_views(Calibration calibration) {
   calibration.split_half_ratio.reset();
   calibration.warp.reset();
   calibration.created.clear();
+  calibration.misfit.clear();
+  calibration.remarks.clear();
   return calibration;
+}
+
+// px^2 over both coordinates of all corners, as the detector has it; absent where it does not.
+std::optional<double> noise_of(const Observation& seen) {
+  double squares = 0;
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+    if (i >= seen.sigma.size() || !is_known_sigma(seen.sigma[i])) return std::nullopt;
+    squares += 2 * seen.sigma[i] * seen.sigma[i];
+  }
+  return squares;
+}
+
+// The verdict on a camera that is held: nothing else tells that it is that of these views.
+void judge_held_camera(Solution& solution, double squares, std::optional<double> noise) {
+  constexpr double kFarOff = 5;   // times the noise
+  constexpr double kLeast = 0.3;  // px, RMS
+  if (!noise || !(*noise > 0)) return;
+  Calibration& calibration = solution.calibration;
+  calibration.chi = std::sqrt(squares / *noise);
+  const bool is_off = *calibration.chi > kFarOff && calibration.rms.value_or(0) > kLeast;
+  solution.misfit.cause = is_off ? Misfit::Cause::kModel : Misfit::Cause::kNone;
+  solution.misfit.noticed = solution.misfit.cause;
+  calibration.misfit = to_string(solution.misfit.cause);
+  if (!is_off) return;
+  calibration.remarks.push_back(fmt::format(
+      "Corners are {:.2g} px (RMS) from where the camera that is held has them, {:.2g} times their "
+      "noise: these views are of another camera, of a lens that has moved, or of another board.",
+      *calibration.rms, *calibration.chi));
 }
 
 }  // namespace
@@ -118,6 +148,7 @@ Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
   Solution solution;
   solution.calibration = without_views(*options.initial);
   double squares = 0;
+  std::optional<double> noise = 0;
   int points = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Observation& seen = views[i].observation;
@@ -142,6 +173,8 @@ Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
     solution.calibration.views.push_back(
         {seen.timestamp, quality.rms, count, false, to_pose(*pose)});
     squares += count * quality.rms * quality.rms;
+    const auto noise_here = noise_of(seen);
+    noise = noise && noise_here ? std::optional(*noise + *noise_here) : std::nullopt;
     points += count;
   }
   if (points == 0) {
@@ -150,6 +183,7 @@ Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
                       "lie on one line.");
   }
   solution.calibration.rms = std::sqrt(squares / points);
+  judge_held_camera(solution, squares, noise);
   return solution;
 }
 

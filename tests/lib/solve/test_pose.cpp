@@ -185,5 +185,34 @@ TEST(Poses, AreAllThatIsSolvedWhereTheCameraIsHeld) {
   EXPECT_FALSE(check(options)) << "two cameras";
 }
 
+// Poses before a wrong camera look like any: the corners say that it is none of theirs.
+TEST(Poses, SayThatTheCameraThatIsHeldIsAnother) {
+  Random random(3);
+  const Camera camera = scenes::random_camera("brown5", random);
+  std::vector<View> views;
+  for (int i = 0; i < 8; ++i) {
+    const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.3);
+    views.push_back(scenes::observe(camera, kBoard, pose, 0.05, random));
+  }
+  SolveOptions options;
+  options.fix = {"all"};
+  options.initial = camera.to_calibration();
+  options.initial->misfit = "board";
+  options.initial->remarks = {"of the views before"};
+  const auto right = solve(views, scenes::kSize, options);
+  ASSERT_TRUE(right.has_value());
+  EXPECT_NEAR(right->calibration.chi.value_or(0), 1, 0.2);
+  EXPECT_EQ(right->calibration.misfit, "none");
+  EXPECT_TRUE(right->calibration.remarks.empty());
+  options.initial->parameters[0].value *= 0.8;
+  options.initial->parameters[1].value *= 0.8;
+  const auto wrong = solve(views, scenes::kSize, options);
+  ASSERT_TRUE(wrong.has_value());
+  EXPECT_GT(wrong->calibration.chi.value_or(0), 5);
+  EXPECT_EQ(wrong->calibration.misfit, "model");
+  ASSERT_EQ(wrong->calibration.remarks.size(), 1U);
+  EXPECT_NE(wrong->calibration.remarks[0].find("another camera"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace calvin
