@@ -101,6 +101,7 @@ bool CalibrationSession::first_complaint() { return !std::exchange(complained_, 
 Offered CalibrationSession::offer(const Observation& observation, const FrameTimes& times,
                                   std::size_t place) {
   Offered offered;
+  is_detector_heard_ = true;
   leave_stale_target(observation.timestamp);
   if (observation.timestamp != kNoTimestamp) newest_ = observation.timestamp;
   board_in_view_ = observation.found() || (place > 0 && board_in_view_);
@@ -197,6 +198,7 @@ void CalibrationSession::report(Offered& offered, std::size_t place) {
 }
 
 void CalibrationSession::hear_detector(const std::string& words, bool wrong_board) {
+  is_detector_heard_ = true;
   obstacle_ = words;
   wrong_board_ = wrong_board && !words.empty();
   if (!words.empty()) last_obstacle_ = words;
@@ -236,6 +238,7 @@ bool CalibrationSession::enough_views() const {
 Error CalibrationSession::too_few() const {
   if (has_points()) return too_few_points(points_.hint());
   if (useless_board_ && views_.views().empty()) return *useless_board_;
+  if (!is_detector_heard_) return nothing_detected();
   return too_few_views(views_.views().size(), least_views(), refused_, last_obstacle_);
 }
 

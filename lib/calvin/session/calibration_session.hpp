@@ -332,6 +332,7 @@ class CalibrationSession {
   std::uint64_t newest_light_ = kNoTimestamp;  // ns, of the last light in the journal
   std::optional<Error> useless_board_;  // why nothing can be made of the board that was seen last
   bool complained_ = false;             // of broken observations
+  bool is_detector_heard_ = false;      // in this session or before
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen
   std::uint64_t guided_board_at_ = kNoTimestamp;  // timestamp, of board_

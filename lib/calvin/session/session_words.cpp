@@ -69,6 +69,14 @@ Error too_few_views(std::size_t views, int least, const Refusals& refused,
                   least, obstacle.empty() ? "" : " " + obstacle + ".", told(refused))};
 }
 
+Error nothing_detected() {
+  return {ErrorCode::kDegenerate,
+          "No calibration: no view of the board was taken, since no detector has said anything of "
+          "any frame. calibsolve comes after "
+          "calibdetect, as in calibdetect ! calibsolve, and elements between them, as videoflip, "
+          "may lose what was found."};
+}
+
 Error too_few_points(const std::string& hint) {
   return {ErrorCode::kDegenerate,
           fmt::format("No calibration: the manual points are not enough. {}", hint)};
