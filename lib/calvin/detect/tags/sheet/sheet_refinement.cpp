@@ -89,11 +89,11 @@ void TagSheet::fit_again(const ImageView& image, const TagReader& reader, const 
     if (map != nullptr) t.bends = bends_of(*map, t.place, !is_whole);
     if (was_known) continue;  // bends change little from frame to frame
     const TagPattern tag = pattern(reader, t.place);
-    TagGuess guess{t.fit.corners, kReach, unknown_bends(t.fit.corners), t.fit.width};
-    if (t.fit.is_rough && is_whole) guess.care = SideCare::kAgain;
+    const TagGuess guess{t.fit.corners, kReach, unknown_bends(t.fit.corners), t.fit.width};
     if (map != nullptr) {
       TagGuess with_bends = guess;
       with_bends.bends = *t.bends;
+      if (t.fit.is_rough && is_whole) with_bends.care = SideCare::kAgain;
       // The other tags tell better where a corner is that was not found.
       if (!is_whole) with_bends.corners = image_of(*map, t.place).value_or(t.fit.corners);
       const TagFit again = fit_tag(image, with_bends, tag);
