@@ -416,7 +416,9 @@ TEST_F(CalibrationSessions, SayWhatIsMissingForARequest) {
   begin();
   const Status none = session_.solve_now(settings_);
   ASSERT_FALSE(none.has_value());
-  EXPECT_NE(none.error().message.find("no view of the board was taken, at least 3"),
+  EXPECT_NE(none.error().message.find("no detector has said anything"), std::string::npos);
+  session_.hear_detector("", false);
+  EXPECT_NE(session_.solve_now(settings_).error().message.find("was taken, at least 3 are needed"),
             std::string::npos);
   show(2);
   EXPECT_NE(session_.solve_now(settings_).error().message.find("only 2 views"), std::string::npos);
