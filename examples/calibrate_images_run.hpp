@@ -125,7 +125,8 @@ inline void look_at(const GstStructure* s, const std::vector<Picture>& pictures,
 inline constexpr const char* kNothingNew =
     "it tells nothing that the others do not: it is a copy of one of them, or one of very many.";
 
-// A view that was found and is not taken. What is said of several in a row is said once.
+// A view that was found and is not taken. The element posts this for the first of several in a row
+// alone.
 inline void refuse(const GstStructure* s, Outcome& outcome) {
   gboolean accepted = TRUE;
   guint64 time = 0;

@@ -34,7 +34,15 @@ struct Group {
   bool (*same)(const SessionSettings&, const SessionSettings&);
   Status (*read)(SessionPlan&);  // from plan.settings into what follows from them
   void (*keep)(SessionPlan&, const SessionPlan& before);
+  // Makes those that have not changed since they were `seen`, and may have been refused then, what
+  // they are `taken` for.
+  void (*take_back)(SessionSettings&, const SessionSettings& seen, const SessionSettings& taken);
 };
+
+template <auto... kSettings>
+void take_back(SessionSettings& now, const SessionSettings& seen, const SessionSettings& taken) {
+  ((now.*kSettings = now.*kSettings == seen.*kSettings ? taken.*kSettings : now.*kSettings), ...);
+}
 
 Status read_board(SessionPlan& plan) {
   const SessionSettings& settings = plan.settings;
@@ -173,41 +181,21 @@ bool same_lens(const SessionSettings& a, const SessionSettings& b) {
 
 constexpr Group kGroups[] = {
     {[](const SessionSettings& a, const SessionSettings& b) { return same_lens(a, b); },
-     read_lens_and_files, keep_lens},
+     read_lens_and_files, keep_lens,
+     take_back<&SessionSettings::model, &SessionSettings::method, &SessionSettings::fix,
+               &SessionSettings::initial, &SessionSettings::board, &SessionSettings::board_shape,
+               &SessionSettings::warp, &SessionSettings::skew>},
     {[](const SessionSettings& a, const SessionSettings& b) {
        return a.min_views == b.min_views && a.max_views == b.max_views;
      },
-     read_counts, keep_counts},
+     read_counts, keep_counts, take_back<&SessionSettings::min_views, &SessionSettings::max_views>},
     {[](const SessionSettings& a, const SessionSettings& b) {
        return points_of(a) == points_of(b);
      },
-     read_points, keep_points},
+     read_points, keep_points, take_back<&SessionSettings::points>},
     {[](const SessionSettings& a, const SessionSettings& b) { return !names_other_files(a, b); },
-     read_files, keep_files},
+     read_files, keep_files, take_back<&SessionSettings::location, &SessionSettings::exports>},
 };
-
-// What was refused when it was seen does not hinder what is set after it; what belongs together may
-// be set one after the other.
-Status read_without_refused(SessionPlan& plan, const SessionPlan& before,
-                            const SessionSettings& seen) {
-  SessionPlan without;
-  SessionSettings& now = without.settings = plan.settings;
-  const SessionSettings& taken = before.settings;
-  const auto take_back = [&](auto of) {
-    if (now.*of == seen.*of) now.*of = taken.*of;
-  };
-  take_back(&SessionSettings::model);
-  take_back(&SessionSettings::method);
-  take_back(&SessionSettings::fix);
-  take_back(&SessionSettings::initial);
-  take_back(&SessionSettings::board);
-  take_back(&SessionSettings::board_shape);
-  take_back(&SessionSettings::warp);
-  take_back(&SessionSettings::skew);
-  Status read = read_lens_and_files(without);
-  if (read) plan = std::move(without);
-  return read;
-}
 
 }  // namespace
 
@@ -225,8 +213,15 @@ PlanChange change_plan(const SessionPlan& before, const SessionSettings& seen,
   PlanChange change;
   change.plan.settings = now;
   for (const Group& group : kGroups) {
+    SessionPlan without = change.plan;
     Status read = group.same(seen, now) ? Status() : group.read(change.plan);
-    if (!read && &group == kGroups) read = read_without_refused(change.plan, before, seen);
+    if (!read) {
+      // What was refused before does not hinder what is set after it; what belongs together may be
+      // set one after the other.
+      group.take_back(without.settings, seen, before.settings);
+      read = group.read(without);
+      if (read) change.plan = std::move(without);
+    }
     if (!read) change.refused.push_back(read.error());
     if (!read || group.same(seen, now)) group.keep(change.plan, before);
   }

@@ -72,9 +72,8 @@ Error too_few_views(std::size_t views, int least, const Refusals& refused,
 Error nothing_detected() {
   return {ErrorCode::kDegenerate,
           "No calibration: no view of the board was taken, since no detector has said anything of "
-          "any frame. calibsolve comes after "
-          "calibdetect, as in calibdetect ! calibsolve, and elements between them, as videoflip, "
-          "may lose what was found."};
+          "any frame. calibsolve comes after calibdetect, as in calibdetect ! calibsolve, and "
+          "elements between them, as videoflip, may lose what was found."};
 }
 
 Error too_few_points(const std::string& hint) {

@@ -23,15 +23,31 @@ namespace {
 constexpr const char* kBoard = "aruco:6x5:60mm:15mm:DICT_6X6_250";
 constexpr double kNoise = 4;
 
-class TagFits : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
+// Pictures of a board in one pose after the other.
+class Views {
+ public:
+  Views(const char* board, ImageSize size, std::uint64_t seed, double noise, double blur)
+      : board_(parse_board(board).value()),
+        camera_(default_camera(size)),
+        motion_(MotionKind::kRandom, camera_, board_, seed),
+        noise_(noise),
+        blur_(blur) {}
+
+  [[nodiscard]] const Board& board() const { return board_; }
+  [[nodiscard]] GrayImage picture(int n) const {
+    return render_board(camera_, board_, motion_.camera_from_board(n),
+                        {.noise = noise_, .blur = blur_, .seed = unsigned(n)});
+  }
+  [[nodiscard]] Observation truth(int n) const {
+    return true_observation(camera_, board_, motion_.camera_from_board(n));
   }
 
-  const Board board_ =
-      parse_board(has_opencv_dictionaries() ? kBoard : "aprilgrid:6x6:88mm:0.3").value();
-  const TagGrid& grid_ = *board_.as<TagGrid>();
+ private:
+  Board board_;
+  Camera camera_;
+  Motion motion_;
+  double noise_;
+  double blur_;
 };
 
 // The true corners of a tag, from its upper left one on clockwise; the ids of a grid of tags go
@@ -53,23 +69,22 @@ double worst_distance(const detect::Quad& a, const detect::Quad& b) {
   return worst;
 }
 
-TEST_F(TagFits, RoughlyFullyAndAgain) {
-  const Camera camera = default_camera({1280, 720});
-  const Motion motion(MotionKind::kRandom, camera, board_, 4);
-  const detect::TagReader reader(detect::TagStyle(grid_), grid_.gap / grid_.tag);
+TEST(TagFits, RoughlyFullyAndAgain) {
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const Views views(kBoard, {1280, 720}, 4, kNoise, 0.7);
+  const TagGrid& grid = *views.board().as<TagGrid>();
+  const detect::TagReader reader(detect::TagStyle(grid), grid.gap / grid.tag);
   double square = 0;
   int count = 0;
   for (int n = 0; n < 4; ++n) {
-    const SE3 pose = motion.camera_from_board(n);
-    const GrayImage image =
-        render_board(camera, board_, pose, {.noise = kNoise, .blur = 0.7, .seed = unsigned(n)});
-    const Observation truth = true_observation(camera, board_, pose);
+    const GrayImage image = views.picture(n);
+    const Observation truth = views.truth(n);
     ASSERT_EQ(truth.ids.size(), 120U) << "the whole board is in view";
-    for (int tag = 0; tag < grid_.cols * grid_.rows; ++tag) {
-      const int col = tag % grid_.cols;
-      const int row = tag / grid_.cols;
-      const detect::Quad quad = true_quad(truth, grid_, col, row);
-      const detect::TagPattern pattern = reader.pattern_of(grid_.tag_in(col, row));
+    for (int tag = 0; tag < grid.cols * grid.rows; ++tag) {
+      const int col = tag % grid.cols;
+      const int row = tag / grid.cols;
+      const detect::Quad quad = true_quad(truth, grid, col, row);
+      const detect::TagPattern pattern = reader.pattern_of(grid.tag_in(col, row));
       detect::TagGuess guess{quad, 3, detect::unknown_bends(quad)};
       for (detect::Point& corner : guess.corners) corner += detect::Point(1.5, -1);
       guess.care = detect::SideCare::kRough;
@@ -100,17 +115,13 @@ TEST_F(TagFits, RoughlyFullyAndAgain) {
 
 // The quads of a picture are found where its pixels are as large as those of a quarter of it: some
 // corners are pixels off, and of their tags not all sides are found at once.
-TEST_F(TagFits, OfQuadsThatAreFarOff) {
-  const Camera camera = default_camera({1920, 1080});
-  const Motion motion(MotionKind::kRandom, camera, board_, 3);
-  const auto detector = make_detector(board_).value();
+TEST(TagFits, OfQuadsThatAreFarOff) {
+  if (!has_opencv_dictionaries()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const Views views(kBoard, {1920, 1080}, 3, 2, 1);
+  const auto detector = make_detector(views.board()).value();
   for (const int n : {1, 8}) {
-    const SE3 pose = motion.camera_from_board(n);
-    const GrayImage image =
-        render_board(camera, board_, pose, {.noise = 2, .blur = 1, .seed = unsigned(n)});
-    const Observation truth = true_observation(camera, board_, pose);
-    const Observation seen = detector->detect(image.view()).observation;
-    EXPECT_EQ(seen.ids, truth.ids) << n;
+    const Observation seen = detector->detect(views.picture(n).view()).observation;
+    EXPECT_EQ(seen.ids, views.truth(n).ids) << n;
   }
 }
 
@@ -120,18 +131,13 @@ TEST(TagCorners, AreAsGoodAsTheySay) {
   if (!has_april_tag_3()) GTEST_SKIP() << "this build knows no families of AprilTag 3";
   for (const char* text : {"apriltag:tag36h11:80mm:0=0,0+3=180mm,-30mm,30",
                            "apriltag:tagStandard41h12:6x4:50mm:40mm"}) {
-    const Board board = parse_board(text).value();
-    const Camera camera = default_camera({1280, 720});
-    const Motion motion(MotionKind::kRandom, camera, board, 6);
-    const auto detector = make_detector(board).value();
+    const Views views(text, {1280, 720}, 6, kNoise, 0.7);
+    const auto detector = make_detector(views.board()).value();
     double square = 0;
     int count = 0;
     for (int n = 0; n < 12; ++n) {
-      const SE3 pose = motion.camera_from_board(n);
-      const GrayImage image =
-          render_board(camera, board, pose, {.noise = kNoise, .blur = 0.7, .seed = unsigned(n)});
-      const Observation truth = true_observation(camera, board, pose);
-      const Observation seen = detector->detect(image.view()).observation;
+      const Observation truth = views.truth(n);
+      const Observation seen = detector->detect(views.picture(n).view()).observation;
       for (std::size_t i = 0; i < seen.ids.size(); ++i) {
         const auto at = std::ranges::find(truth.ids, seen.ids[i]) - truth.ids.begin();
         const Pixel& is = truth.uv[static_cast<std::size_t>(at)];

@@ -353,6 +353,21 @@ TEST(PlanChanges, GoOnWithoutWhatWasRefused) {
   EXPECT_NE(other.refused.front().message.find("zzz"), std::string::npos);
 }
 
+TEST(PlanChanges, GoOnWithoutACountThatWasRefused) {
+  SessionSettings settings;
+  settings.min_views = 10;
+  const SessionPlan before = make_plan(settings).value();
+  SessionSettings wrong = settings;
+  wrong.max_views = 5;
+  EXPECT_EQ(change_plan(before, settings, wrong).refused.size(), 1U);
+  SessionSettings next = wrong;
+  next.min_views = 12;
+  const PlanChange change = change_plan(before, wrong, next);
+  EXPECT_TRUE(change.refused.empty());
+  EXPECT_EQ(change.plan.settings.min_views, 12);
+  EXPECT_EQ(change.plan.settings.max_views, before.settings.max_views);
+}
+
 // What belongs together may be set in any order.
 TEST(PlanChanges, TakeWhatWorksTogether) {
   SessionSettings settings;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Steepest places across a side, a line through most of them, and the pixels near a curve.
+// Looks for the steepest places across a side, lays a line through most of them, and gathers the
+// pixels near a curve.
 
 #include "calvin/detect/tags/side_pixels.hpp"
 

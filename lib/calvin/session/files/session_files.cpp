@@ -5,6 +5,8 @@
 
 #include "calvin/session/files/session_files.hpp"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -78,23 +80,24 @@ std::optional<Error> lost_by(const std::string& path, const Calibration& before,
 }
 
 // Keeps what is no calibration, under a name that is free, and says so: whoever names a file of
-// boards or of views here means another one.
+// boards or of views here means another one. It may be larger than any calibration.
 std::optional<Error> keep_other(const std::string& path) {
   constexpr int kMost = 100;
+  std::error_code failed;
+  if (!(std::filesystem::file_size(path, failed) > 0) || failed) return std::nullopt;
   std::string copy = copy_of(path);
-  for (int n = 2; n <= kMost && read_file(copy); ++n) copy = fmt::format("{}~{}~", path, n);
-  const auto bytes = read_file(path);
-  if (!bytes || bytes->empty()) return std::nullopt;
-  if (const Status kept = write_file(copy, *bytes); !kept) {
-    return Error{kept.error().code,
-                 fmt::format("'{}' held something that is no calibration, which this one took the "
-                             "place of. No copy of it could be kept. {}",
-                             path, kept.error().message)};
-  }
-  return Error{ErrorCode::kInvalidArgument,
+  const auto is_taken = [&copy] {
+    std::error_code unknown;
+    return std::filesystem::exists(std::filesystem::symlink_status(copy, unknown));
+  };
+  for (int n = 2; n <= kMost && is_taken(); ++n) copy = fmt::format("{}~{}~", path, n);
+  std::filesystem::copy_file(path, copy, failed);
+  const std::string where = failed ? "No copy of it could be kept: " + failed.message() + "."
+                                   : fmt::format("It is kept as '{}'.", copy);
+  return Error{failed ? ErrorCode::kIo : ErrorCode::kInvalidArgument,
                fmt::format("'{}' held something that is no calibration, which this one took the "
-                           "place of. It is kept as '{}'.",
-                           path, copy)};
+                           "place of. {}",
+                           path, where)};
 }
 
 }  // namespace
@@ -119,7 +122,7 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
                                           std::uint64_t session,
                                           const std::function<bool()>& counts) {
   if (std::exchange(session_, session) != session) ours_.clear();
-  std::map<std::string, Calibration> foreign;
+  std::map<std::string, std::optional<Calibration>> foreign;  // absent: no calibration
   std::vector<Calibration> others;
   bool any_unread = false;
   for (const CalibrationFile& file : files) {
@@ -129,31 +132,25 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
     const bool unread = !other && other.error().code == ErrorCode::kUnsupported;
     any_unread |= unread;
     if (unread) other = Calibration();
-    if (!other) continue;
-    others.push_back(*other);
-    foreign.emplace(file.path, *std::move(other));
+    if (other) others.push_back(*other);
+    foreign.emplace(file.path, other ? std::optional(*std::move(other)) : std::nullopt);
   }
   const bool replace = final || (!any_unread && may_replace(calibration, others));
   Outcome outcome;
   for (const CalibrationFile& file : files) {
     if (!counts()) break;
     if (!final && is_stream(file.path)) continue;
-    const auto before = foreign.find(file.path);
-    if (!replace && before != foreign.end()) {
+    const auto found = foreign.find(file.path);
+    const Calibration* before = found != foreign.end() && found->second ? &*found->second : nullptr;
+    if (!replace && before != nullptr) {
       if (outcome.kept.empty()) outcome.kept = file.path;
       continue;
     }
-    Kept kept;
+    const Kept kept = before != nullptr ? keep_calibration(file.path, *before) : Kept();
     std::optional<Error> lost;
-    if (before != foreign.end()) {
-      kept = keep_calibration(file.path, before->second);
-    } else if (!is_stream(file.path) && !holds_ours(file.path)) {
-      lost = keep_other(file.path);
-    }
+    if (found != foreign.end() && before == nullptr) lost = keep_other(file.path);
     Status written = write_one(file, calibration);
-    if (written && before != foreign.end()) {
-      lost = lost_by(file.path, before->second, calibration, kept);
-    }
+    if (before != nullptr) lost = lost_by(file.path, *before, calibration, kept);
     if (written && lost && !outcome.lost) outcome.lost = std::move(lost);
     if (!written && outcome.status) outcome.status = std::move(written);
   }
