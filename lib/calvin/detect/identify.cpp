@@ -34,6 +34,19 @@ bool has_code(const IdentifiedBoard& seen) {
          seen.board.as<AsymmetricCircleGrid>() == nullptr;
 }
 
+// A checkerboard as it is found by itself. Where squares may have markers in them their margins are
+// looked at less closely, and what lies beside a board may pass for a row of it.
+IdentifiedBoard find_alone(const ImageView& image, const Checkerboard& seen,
+                           const std::stop_token& stop) {
+  const auto detector = make_detector(seen);
+  if (!detector) return {seen, false, false};
+  const Detection alone = (*detector)->detect(image, stop);
+  if (alone.observation.found()) return {seen, true, false};
+  if (alone.reason != Reason::kWrongBoard || !alone.seen_all) return {seen, false, false};
+  const auto [rows, cols] = std::minmax(alone.seen_cols, alone.seen_rows);
+  return {Checkerboard{cols, rows, seen.size}, true, false};
+}
+
 // Adds the largest sheet of corners that are spaced as those of a pattern.
 void find_squares(const ImageView& image, detect::Pattern pattern, const std::stop_token& stop,
                   std::vector<IdentifiedBoard>& seen) {
@@ -47,7 +60,7 @@ void find_squares(const ImageView& image, detect::Pattern pattern, const std::st
   if (const auto board = parse_board(other->text)) {
     seen.push_back({*board, other->certain, false});
   } else if (are_alike && other->certain) {
-    seen.push_back({Checkerboard{other->cols, other->rows, side}, true, false});
+    seen.push_back(find_alone(image, {other->cols, other->rows, side}, stop));
   }
 }
 

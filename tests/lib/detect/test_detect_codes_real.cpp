@@ -14,6 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calvin/detect/detector.hpp"
+#include "calvin/detect/identify.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/target/marker_dictionary.hpp"
 
@@ -150,6 +151,36 @@ TEST(RealPuzzleBoard, IsNamedWhereTheMapHasIt) {
     const GridPlace place = board.grid()->place(seen.ids[i]);
     EXPECT_NEAR(seen.uv[i].u, 50 + 94.5 * place.col, 2);
     EXPECT_NEAR(seen.uv[i].v, 80 + 94.5 * place.row, 2);
+  }
+}
+
+// The table and the sheet beside a checkerboard are no row of it.
+TEST(RealCheckerboards, AreNamedBySize) {
+  struct Pictures {
+    const char* folder;
+    const char* first;  // of their names
+    const char* board;
+    int least;  // that are named
+  };
+  for (const Pictures& set :
+       {Pictures{"opencv-samples", "left", "checkerboard:9x6:25mm", 13},
+        {"opencv-samples", "right", "checkerboard:9x6:25mm", 12},
+        {"photonvision-gloworm_960_720", "img", "checkerboard:8x6:25mm", 10}}) {
+    const auto folder = real_data(set.folder);
+    if (folder.empty()) GTEST_SKIP() << "without CALVIN_DATA there is no " << set.folder;
+    int named = 0;
+    for (const auto& picture : pictures_of(folder, ".jpg")) {
+      if (!picture.filename().string().starts_with(set.first)) continue;
+      const cv::Mat image = cv::imread(picture.string(), cv::IMREAD_GRAYSCALE);
+      const auto seen = identify_boards(
+          {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step[0]), 1},
+          0.025);
+      for (const IdentifiedBoard& one : seen) {
+        EXPECT_TRUE(!one.whole || one.board.text() == set.board) << picture << one.board.text();
+        named += one.board.text() == set.board ? 1 : 0;
+      }
+    }
+    EXPECT_GE(named, set.least) << set.folder << " " << set.first;
   }
 }
 
