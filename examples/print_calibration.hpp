@@ -74,8 +74,15 @@ inline void print(const calvin::Calibration& c, const calvin::Calibration* other
 
 // A file without a verdict, as of other tools, has none here either.
 inline void print_verdict(const calvin::Calibration& c) {
+  constexpr double kWeak = 1;  // px, 2 sigma
+  const double accuracy = 2 * c.expected_error.value_or(0);
   if (has_misfit(c)) {
     fmt::print("verdict: not good, misfit {}\n", c.misfit);
+  } else if (!c.misfit.empty() && accuracy > kWeak) {
+    fmt::print(
+        "verdict: weak, though nothing is wrong with it: {:.2g} px where corners were seen. More "
+        "views from nearby, tilted to all sides, make it better.\n",
+        accuracy);
   } else if (!c.misfit.empty()) {
     fmt::print("verdict: good where corners were seen\n");
   }

@@ -168,6 +168,12 @@ leaves 0 --verdict exact
 leaves 0 --accuracy 1 exact
 leaves 3 --accuracy 0.0001 exact
 grep -q 'verdict: not good enough, accurate to' out || fail "no verdict: $(cat out)"
+# Nothing is wrong with three noisy pictures but that they tell little.
+mkdir few
+gst-launch-1.0 -q calibtestsrc num-buffers=3 noise=20 ! video/x-raw,width=640,height=480 ! \
+  pngenc ! multifilesink location=few/%d.png
+leaves 0 --model brown5 --verdict few
+grep -q 'verdict: weak, though nothing is wrong' out || fail "few pictures: $(cat out)"
 leaves 3 --model pinhole --verdict exact # through a lens that distorts
 grep -q 'verdict: not good, misfit model' out || fail "no misfit: $(cat out)"
 leaves 0 --model pinhole exact
