@@ -5,12 +5,15 @@
 
 #include "calvin/session/earlier_calibration.hpp"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "calvin/camera/frame_fit.hpp"
 #include "calvin/core/file.hpp"
+#include "calvin/geometry/convex_hull.hpp"
 #include "calvin/io/calibration_io.hpp"
 
 namespace calvin {
@@ -18,17 +21,34 @@ namespace calvin {
 namespace {
 
 constexpr std::size_t kFewestViews = 5;
-constexpr std::size_t kEnoughViews = 12;  // whatever they tell
-constexpr double kWellKnown = 0.5;        // px, that nothing has moved by more
-constexpr double kMoved = 4;              // sigma
+constexpr double kWellKnown = 0.5;   // px, that nothing has moved by more
+constexpr double kAsExact = 4;       // likewise, times the expected error, but no more than this:
+constexpr double kWorthTelling = 2;  // px
+constexpr double kSeen = 0.2;        // of the picture, where boards were
+constexpr double kMoved = 4;         // sigma
 
 // px: two sigma more than what may be seen.
 double most_moved(const RecheckReport& report) {
   return report.displacement + 2 * report.displacement_sigma;
 }
 
-bool is_known(const EarlierVerdict& verdict, std::size_t views) {
-  return !verdict.holds || views >= kEnoughViews || most_moved(verdict.report) <= kWellKnown;
+// The share of the picture that corners of the views surround.
+double share_seen(const Session::Views& views, ImageSize size) {
+  std::vector<Pixel> corners;
+  for (const auto& view : views) {
+    const std::vector<Pixel>& seen = view->observation.uv;
+    corners.insert(corners.end(), seen.begin(), seen.end());
+  }
+  return polygon_area(convex_hull(std::move(corners))) / (1.0 * size.width * size.height);
+}
+
+// What holds in a corner of the picture may be off in the rest of it, and that it holds is worth
+// being told where it holds about as exactly as it is known.
+bool is_known(const EarlierVerdict& verdict, const Calibration& calibration, double seen) {
+  if (!verdict.holds) return true;
+  const double exact = kAsExact * calibration.expected_error.value_or(0);
+  return seen >= kSeen &&
+         most_moved(verdict.report) <= std::clamp(exact, kWellKnown, kWorthTelling);
 }
 
 std::string words_for(const EarlierVerdict& verdict, const std::string& name) {
@@ -70,16 +90,17 @@ std::optional<EarlierVerdict> judge_earlier(const SolveJob& job) {
   const auto fitted = fit_to_frame(calibration, job.size);
   // A size that was not calibrated may show another part of the sensor.
   if (!fitted || fitted->scaled) return std::nullopt;
-  Recheck recheck(fitted->camera, calibration);
+  const std::optional<ReadoutTime>& readout = job.options.readout;
+  Recheck recheck(fitted->camera, calibration, readout);
   EarlierVerdict verdict;
   for (const auto& view : job.views) {
-    // One that moves is not where it is seen.
-    if (!view->observation.velocity.empty()) continue;
+    // One that moves is not where it is seen, by what nobody knows of the readout.
+    if (!readout && !view->observation.velocity.empty()) continue;
     if (const auto report = recheck.add(*view)) verdict.report = *report;
   }
   if (!(verdict.report.displacement_sigma > 0)) return std::nullopt;
   verdict.holds = verdict.report.displacement <= kMoved * verdict.report.displacement_sigma;
-  if (!is_known(verdict, job.views.size())) return std::nullopt;
+  if (!is_known(verdict, calibration, share_seen(job.views, job.size))) return std::nullopt;
   verdict.words = words_for(verdict, name);
   return verdict;
 }

@@ -87,14 +87,18 @@ std::vector<Pixel> box_of(const std::vector<Pixel>& points) {
   return {low, high};
 }
 
-// The normal equations of one view over all parameters of the model and its skew, which comes last,
-// the pose eliminated.
-std::optional<BundleProblem::Reduced> condense(const PointSet& view, const Camera& camera,
-                                               const SE3& pose) {
-  const ParameterTable table({TableCamera{std::string(camera.model()), true}}, {BoardUnknowns{}});
+// The normal equations of one view over all parameters of the model and its skew, and behind them
+// its readout where that is given; the pose eliminated.
+std::optional<BundleProblem::Reduced> equations_of(const PointSet& view, const Camera& camera,
+                                                   const SE3& pose,
+                                                   const std::optional<ReadoutTime>& readout) {
+  TableCamera of{std::string(camera.model()), true};
+  of.has_readout = readout.has_value();
+  const ParameterTable table({of}, {BoardUnknowns{}});
   std::vector<double> shared = camera.parameters();
   shared.resize(static_cast<std::size_t>(table.count()));
   shared[static_cast<std::size_t>(table.skew(0).first)] = camera.skew();
+  if (readout) shared[static_cast<std::size_t>(table.readout(0).first)] = readout->value;
   const ViewPoints points(view, {});
   BundleProblem problem({{{&points}}, {}, {}}, {&table, table.basis(), {}},
                         {std::move(shared), {pose}, {}, {}}, Loss{});
@@ -104,17 +108,30 @@ std::optional<BundleProblem::Reduced> condense(const PointSet& view, const Camer
   return reduced;
 }
 
+// One more unknown, which no other depends on.
+void append(Eigen::MatrixXd& matrix, double diagonal) {
+  const Eigen::Index n = matrix.rows();
+  matrix.conservativeResizeLike(Eigen::MatrixXd::Zero(n + 1, n + 1));
+  matrix(n, n) = diagonal;
+}
+
 }  // namespace
 
-Recheck::Recheck(const Camera& camera, const Calibration& calibration)
+Recheck::Recheck(const Camera& camera, const Calibration& calibration,
+                 std::optional<ReadoutTime> readout)
     : camera_(camera),
       columns_(columns_of(camera, calibration)),
+      readout_(readout),
       covariance_(covariance_of(camera, calibration, columns_)),
       contradiction_before_(contradiction_of(calibration)),
       board_(calibration.board),
       warp_(calibration.warp.value_or(BoardWarp{})) {
   prior_ = prior_of(projection_grid(camera, columns_), static_cast<Eigen::Index>(columns_.size()),
                     kPriorWidth * camera.image_size().width);
+  if (!has_readout()) return;
+  const double variance = readout_->sigma * readout_->sigma;
+  append(prior_, 1 / variance);
+  append(covariance_, variance);
 }
 
 Result<RecheckReport> Recheck::add(const View& view) {
@@ -122,27 +139,34 @@ Result<RecheckReport> Recheck::add(const View& view) {
   const BoardWarp warp = view.board.text() == board_ ? warp_ : BoardWarp{};
   const auto pose = solve_pose(camera_, view.board, view.observation, &quality, warp);
   if (!pose) return tl::unexpected<Error>(pose.error());
-  const PointSet points = to_points(view.board, bent_points(view.board, warp), view.observation);
-  if (const auto normal = condense(points, camera_, *pose)) {
-    Condensed condensed;
-    condensed.board = view.board.text();
-    condensed.corners = box_of(view.observation.uv);
-    condensed.hull = convex_hull(view.observation.uv);
-    std::vector<int> rows = columns_;
-    const int skew = CameraUnknowns::of(camera_.parameters().size(), true).skew().first;
-    std::replace(rows.begin(), rows.end(), kSkewColumn, skew);
-    condensed.information = normal->information(rows, rows);
-    condensed.gradient = normal->gradient(rows);
-    condensed.cost = normal->cost;
-    condensed.degrees = 2 * static_cast<double>(points.used()) - 6;
-    keep(std::move(condensed));
-  }
+  PointSet points = to_points(view.board, bent_points(view.board, warp), view.observation);
+  if (readout_) points.motion = row_motion(view.observation, camera_.image_size().height);
+  if (auto condensed = condense(view, points, *pose)) keep(*std::move(condensed));
   RecheckReport report;
   report.camera_from_board = to_pose(*pose);
   report.rms = quality.rms;
   report.points = static_cast<int>(points.used());
   judge(report);
   return report;
+}
+
+std::optional<Recheck::Condensed> Recheck::condense(const View& view, const PointSet& points,
+                                                    const SE3& pose) const {
+  const auto normal = equations_of(points, camera_, pose, readout_);
+  if (!normal) return std::nullopt;
+  const CameraUnknowns order = CameraUnknowns::of(camera_.parameters().size(), true);
+  std::vector<int> rows = columns_;
+  std::replace(rows.begin(), rows.end(), kSkewColumn, order.skew().first);
+  if (has_readout()) rows.push_back(order.all().count);
+  Condensed condensed;
+  condensed.board = view.board.text();
+  condensed.corners = box_of(view.observation.uv);
+  condensed.hull = convex_hull(view.observation.uv);
+  condensed.information = normal->information(rows, rows);
+  condensed.gradient = normal->gradient(rows);
+  condensed.cost = normal->cost;
+  condensed.degrees = 2 * static_cast<double>(points.used()) - 6;
+  return condensed;
 }
 
 // Replaces a view of the same board in the same place, or else the oldest: a still board adds no
@@ -190,7 +214,7 @@ double Recheck::contradiction(const Eigen::MatrixXd& inverse, const Eigen::Vecto
 }
 
 std::optional<Recheck::Step> Recheck::step() const {
-  const auto n = static_cast<Eigen::Index>(columns_.size());
+  const Eigen::Index n = prior_.rows();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   double cost = 0;
@@ -220,8 +244,10 @@ std::optional<Recheck::Step> Recheck::step() const {
   if (!gain || !inverse) return std::nullopt;
   const double more = variance > 0 ? contradiction(*inverse, by->col(0), variance) : 1;
   const Eigen::MatrixXd known = gain->lazyProduct(covariance_);
-  return Step{by->col(0),
-              more * variance * gain->lazyProduct(*inverse) + known.lazyProduct(gain->transpose())};
+  const Eigen::MatrixXd spread =
+      more * variance * gain->lazyProduct(*inverse) + known.lazyProduct(gain->transpose());
+  const auto parameters = static_cast<Eigen::Index>(columns_.size());
+  return Step{by->col(0).head(parameters), spread.topLeftCorner(parameters, parameters)};
 }
 
 // By the mean square of the change over the region, of which noise alone would make a sum of

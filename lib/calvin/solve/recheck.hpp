@@ -12,11 +12,14 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/solve/options.hpp"
 #include "calvin/solve/view.hpp"
 
 namespace calvin {
 
 struct PlacedGrid;
+struct PointSet;
+struct SE3;
 
 struct RecheckReport {
   Pose camera_from_board;
@@ -39,20 +42,24 @@ struct RecheckReport {
 // camera left out; 0 unless the change is larger than the noise of the corners, what views
 // contradict each other by and the covariance of the calibration explain: 2 sigma. For a camera
 // that moved much it is an estimate of first order. The board that the calibration was made with is
-// bent as it was then.
+// bent as it was then. Corners that move are seen where they were when their row was read: the
+// readout is one more unknown, of which no more is known than is given.
 //
 // Not thread-safe.
 class Recheck {
  public:
   // `camera` is that of the frames; `calibration`, which it was made of, gives the covariance and
-  // what was estimated.
-  Recheck(const Camera& camera, const Calibration& calibration);
+  // what was estimated; `readout` is what is known of the readout of views with velocities, which
+  // are taken to stand still without it.
+  Recheck(const Camera& camera, const Calibration& calibration,
+          std::optional<ReadoutTime> readout = {});
 
   // Fails as solve_pose() does for a view that determines no pose.
   [[nodiscard]] Result<RecheckReport> add(const View& view);
 
  private:
-  // One view, its pose eliminated: information and gradient over the parameters in `columns_`.
+  // One view, its pose eliminated: information and gradient over the parameters in `columns_` and,
+  // where has_readout(), that of the readout behind them.
   struct Condensed {
     std::string board;
     std::vector<Pixel> corners;  // of the box around its points, by which views are told apart
@@ -63,6 +70,9 @@ class Recheck {
     double degrees = 0;  // residuals less the pose's parameters
   };
 
+  [[nodiscard]] bool has_readout() const { return readout_ && readout_->sigma > 0; }
+  [[nodiscard]] std::optional<Condensed> condense(const View& view, const PointSet& points,
+                                                  const SE3& pose) const;
   void keep(Condensed view);
   struct Step;
   [[nodiscard]] std::optional<Step> step() const;
@@ -72,9 +82,11 @@ class Recheck {
   void judge(RecheckReport& report) const;
 
   Camera camera_;
-  std::vector<int> columns_;      // of projection_grid()
+  std::vector<int> columns_;  // of projection_grid()
+  std::optional<ReadoutTime> readout_;
+  // Over the unknowns of Condensed.
   Eigen::MatrixXd prior_;         // information
-  Eigen::MatrixXd covariance_;    // of the calibration
+  Eigen::MatrixXd covariance_;    // of the calibration, and what is known of the readout
   double contradiction_before_;   // of the views that it was made of, see contradiction()
   std::string board_;             // of the calibration
   BoardWarp warp_;                // of that board

@@ -9,49 +9,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "calvin/session/session.hpp"
 #include "calvin/solve/solve.hpp"
-#include "calvin/synth/motion.hpp"
-#include "calvin/synth/render.hpp"
+#include "film.hpp"
 #include "scenes.hpp"
 #include "true_error.hpp"
 
 namespace calvin {
 namespace {
 
-constexpr double kFrames = 30;  // per second
-
-struct Film {
-  MotionKind motion = MotionKind::kHand;
-  double readout = 0;  // s
-  double seconds = 10;
-  double noise = 0.05;  // px
-  CaptureMode mode = CaptureMode::kAuto;
-  double rate = kFrames;
-};
+using scenes::Film;
+using scenes::frame;
+using scenes::kFrames;
 
 struct Outcome {
   std::size_t views = 0;
   Calibration calibration;
   double error = 0;  // px, the true one where corners were seen
 };
-
-Observation frame(const Film& film, const Camera& camera, const Motion& motion, double now,
-                  scenes::Random& random) {
-  const double rows = camera.image_size().height - 1;
-  Observation seen = true_observation(camera, scenes::kBoard, [&](double v) {
-    return motion.camera_from_board(now + film.readout * v / rows);
-  });
-  std::normal_distribution<double> noise(0, film.noise);
-  for (Pixel& at : seen.uv) at = {at.u + noise(random), at.v + noise(random)};
-  seen.sigma.assign(seen.uv.size(), film.noise);
-  seen.timestamp = static_cast<std::uint64_t>(1e9 * now);
-  seen.board = scenes::kBoard.text();
-  return seen;
-}
 
 // What comes of the film; without a result where the solve fails.
 Outcome calibrate(const Film& film, unsigned seed, double readout_known = 0) {
@@ -133,7 +110,6 @@ TEST(Recordings, OfAMovingBoardAreCalibratedFrom) {
   EXPECT_GE(all.readout, 0.95 * all.films - 1);
 }
 
-// A corner of which nobody knows how exact it is stays such a corner where the board moves.
 // From stills, and from a few frames a second, nobody knows how a board moved while one was read:
 // their corners are as exact as they are said to be, and none contradicts the others.
 TEST(Recordings, OfFewFramesASecondAreTakenAsTheyAre) {
@@ -154,6 +130,7 @@ TEST(Recordings, OfFewFramesASecondAreTakenAsTheyAre) {
   }
 }
 
+// A corner of which nobody knows how exact it is stays such a corner where the board moves.
 TEST(UnknownSigmas, StayUnknown) {
   const Film film = {MotionKind::kHand, 0.02, 2, 0.05, CaptureMode::kAll};
   scenes::Random random(1);
