@@ -24,6 +24,7 @@ constexpr std::size_t kFewestViews = 5;
 constexpr double kWellKnown = 0.5;   // px, that nothing has moved by more
 constexpr double kAsExact = 4;       // likewise, times the expected error, but no more than this:
 constexpr double kWorthTelling = 2;  // px
+constexpr double kUsual = 0.25;      // px, the expected error of a calibration that does not tell
 constexpr double kSeen = 0.2;        // of the picture, where boards were
 constexpr double kMoved = 4;         // sigma
 
@@ -46,7 +47,7 @@ double share_seen(const Session::Views& views, ImageSize size) {
 // being told where it holds about as exactly as it is known.
 bool is_known(const EarlierVerdict& verdict, const Calibration& calibration, double seen) {
   if (!verdict.holds) return true;
-  const double exact = kAsExact * calibration.expected_error.value_or(0);
+  const double exact = kAsExact * calibration.expected_error.value_or(kUsual);
   return seen >= kSeen &&
          most_moved(verdict.report) <= std::clamp(exact, kWellKnown, kWorthTelling);
 }
