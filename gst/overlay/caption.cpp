@@ -23,10 +23,12 @@ namespace {
 
 constexpr int kNarrowest = 64;  // px of a frame that has room for words
 
+constexpr double kSmallestFont = 9;  // px
+
 // Everything in px of the frame.
 struct Sizes {
-  explicit Sizes(ImageSize frame)
-      : font(std::max(9.0, std::min(frame.width, frame.height) / 28.0)),
+  explicit Sizes(ImageSize frame, double smaller = 1)
+      : font(std::max(kSmallestFont, smaller * std::min(frame.width, frame.height) / 28.0)),
         padding(font / 2),
         margin(font / 2) {}
   double font;
@@ -59,13 +61,25 @@ OverlayTile placed(ImageSize frame, const Sizes& sizes, OverlaySpan room, Captio
   return tile;
 }
 
-OverlayTile draw_words(TextPainter& painter, const Caption::Words& words, Caption::Place place) {
+// The sizes at which all of the text has room, or else the smallest; the layout has that.
+Sizes fit_words(TextPainter& painter, const Caption::Words& words, OverlaySpan room) {
   constexpr int kLines = 3;  // on a small frame
-  const Sizes sizes(words.frame);
+  constexpr double kSmaller[] = {1, 0.85, 0.7};
+  Sizes sizes(words.frame);
+  for (const double smaller : kSmaller) {
+    sizes = Sizes(words.frame, smaller);
+    const double width = room.right - room.left - 2 * (sizes.margin + sizes.padding);
+    PangoLayout* layout = painter.lay_out(words.text, sizes.font, width, kLines);
+    if (pango_layout_is_ellipsized(layout) == FALSE) break;
+  }
+  return sizes;
+}
+
+OverlayTile draw_words(TextPainter& painter, const Caption::Words& words, Caption::Place place) {
   const OverlaySpan room =
       place == Caption::Place::kTop ? words.room : OverlaySpan{0, words.frame.width};
-  PangoLayout* layout = painter.lay_out(
-      words.text, sizes.font, room.right - room.left - 2 * (sizes.margin + sizes.padding), kLines);
+  const Sizes sizes = fit_words(painter, words, room);
+  PangoLayout* layout = painter.layout();
   PangoRectangle logical;
   pango_layout_get_pixel_extents(layout, nullptr, &logical);
 

@@ -21,6 +21,8 @@ class TextPainter {
   // The words in so many lines at the most, what does not fit cut off; `size` of the font and
   // `width` px. Good until the next call.
   PangoLayout* lay_out(const std::string& text, double size, double width, int lines);
+  // What the last call made.
+  [[nodiscard]] PangoLayout* layout() const { return layout_; }
 
  private:
   // A font map of its own: Pango's default one belongs to a thread.

@@ -230,6 +230,30 @@ GST_START_TEST(test_words_make_room_for_the_board) {
   fail_if(are_at_top(200));
 }
 GST_END_TEST;
+
+// The last word of a long hint is what is to be done.
+GST_START_TEST(test_a_long_hint_is_read_to_its_end) {
+  Harness harness("I420, width=640, height=480");
+  const auto drawn = [&](const std::string& last) {
+    GstBuffer* in = harness.frame();
+    Progress guidance;
+    guidance.hint =
+        "This looks like checkerboard:9x6:25mm, its picture is mirrored and in this frame half of "
+        "it is hidden behind something: checkerboard:10x7:25mm is looked for. Give the one that is "
+        "there, or show "
+        "the one that was given, whichever is meant, " +
+        last;
+    gst::attach_guidance(in, guidance);
+    return gst_harness_push_and_pull(harness.h, in);
+  };
+  g_autoptr(GstBuffer) one = drawn("now");
+  g_autoptr(GstBuffer) other = drawn("mwm");
+  GstMapInfo map;
+  fail_unless(gst_buffer_map(one, &map, GST_MAP_READ));
+  fail_unless(gst_buffer_memcmp(other, 0, map.data, map.size) != 0);
+  gst_buffer_unmap(one, &map);
+}
+GST_END_TEST;
 #endif
 
 // 100 ms after the observation its marks are still there, 400 ms after no more; a new observation
@@ -312,6 +336,7 @@ static Suite* caliboverlay_suite() {
   tcase_add_test(tc, test_parts_are_left_out);
 #if CALVIN_HAVE_PANGO
   tcase_add_test(tc, test_words_make_room_for_the_board);
+  tcase_add_test(tc, test_a_long_hint_is_read_to_its_end);
 #endif
   tcase_add_test(tc, test_marks_are_held_for_a_moment);
   tcase_add_test(tc, test_a_new_size_forgets_the_marks);
