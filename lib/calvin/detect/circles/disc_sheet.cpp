@@ -357,11 +357,12 @@ bool DiscSheet::drop_strays(const Places& at, const LensMap& lens) {
 std::vector<Pixel> DiscSheet::centres(const CirclePattern& pattern, const CellMap& map,
                                       const Pixel& middle) {
   constexpr int kMostRounds = 3;
+  constexpr int kDegree = 4;  // what the bias depends on are second derivatives of the map
   Places at = places(pattern, map);
-  auto lens = LensMap::fit(at.board, at.image, middle);
+  auto lens = LensMap::fit(at.board, at.image, middle, 0, kDegree);
   for (int round = 0; lens && round < kMostRounds && drop_strays(at, *lens); ++round) {
     at = places(pattern, map);
-    lens = LensMap::fit(at.board, at.image, middle);
+    lens = LensMap::fit(at.board, at.image, middle, 0, kDegree);
   }
   for (std::size_t i = 0; lens && i < at.board.size(); ++i) {
     const auto bias = centre_bias(*lens, at.board[i], discs_[i].fit.ellipse);

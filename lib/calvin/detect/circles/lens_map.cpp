@@ -177,7 +177,7 @@ void LensMap::improve(std::span<const Pixel> plane, std::span<const Pixel> image
   }
 }
 
-void LensMap::add_rest(std::span<const Pixel> plane, std::span<const Pixel> image) {
+void LensMap::add_rest(std::span<const Pixel> plane, std::span<const Pixel> image, int degree) {
   std::vector<Pixel> places;
   Eigen::MatrixX2d lacks(static_cast<Eigen::Index>(plane.size()), 2);
   for (std::size_t i = 0; i < plane.size(); ++i) {
@@ -185,7 +185,7 @@ void LensMap::add_rest(std::span<const Pixel> plane, std::span<const Pixel> imag
     lacks.row(static_cast<Eigen::Index>(i)) =
         (vector_of(image[i]) - vector_of(places.back())).transpose();
   }
-  rest_ = Polynomial(places, lacks);
+  rest_ = Polynomial(places, lacks, degree);
   double sum = 0;
   for (std::size_t i = 0; i < plane.size(); ++i) {
     sum += (vector_of(image[i]) - vector_of(image_of(plane[i]))).squaredNorm();
@@ -201,7 +201,7 @@ Pixel LensMap::image_of(const Pixel& p) const {
 
 std::optional<LensMap> LensMap::start(Projection projection, std::span<const Pixel> plane,
                                       std::span<const Pixel> image, const Pixel& middle,
-                                      double scale) {
+                                      double scale, int degree) {
   constexpr double kWidest = 1.4;  // rad, of what a plane before the camera can show
   std::vector<Pixel> from;
   std::vector<Pixel> to;
@@ -221,21 +221,21 @@ std::optional<LensMap> LensMap::start(Projection projection, std::span<const Pix
   LensMap map(projection, *h, middle, scale);
   map.improve(plane, image);
   if (!map.numbers_.allFinite()) return std::nullopt;
-  map.add_rest(plane, image);
+  map.add_rest(plane, image, degree);
   return map;
 }
 
 std::optional<LensMap> LensMap::fit(std::span<const Pixel> plane, std::span<const Pixel> image,
-                                    const Pixel& middle, double sigma) {
+                                    const Pixel& middle, double sigma, int degree) {
   constexpr double kGood = 0.03;  // px
   constexpr double kSigmas = 2;   // of both coordinates, with room for chance
   const double good = std::max(kGood, kSigmas * sigma);
   const double half = std::max({middle.u, middle.v, 1.0});
-  auto best = start(Projection::kPerspective, plane, image, middle, half);
+  auto best = start(Projection::kPerspective, plane, image, middle, half, degree);
   if (best && best->misfit() < good) return best;
   // How far the middle of the longer side is from the axis, rad.
   for (const double angle : {1.57, 1.2, 0.8}) {
-    auto other = start(Projection::kEquidistant, plane, image, middle, half / angle);
+    auto other = start(Projection::kEquidistant, plane, image, middle, half / angle, degree);
     if (other && (!best || other->misfit() < best->misfit())) best = std::move(other);
     if (best && best->misfit() < good) break;
   }

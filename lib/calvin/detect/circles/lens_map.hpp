@@ -52,10 +52,11 @@ class Polynomial {
 class LensMap {
  public:
   // Points of a plane, whose images are known to a small part of their distances, in a picture with
-  // that middle, px; `sigma`: px, how well they are known. Absent where they have no map.
+  // that middle, px; `sigma`: px, how well they are known; `degree`: the highest of the polynomial.
+  // Absent where they have no map.
   [[nodiscard]] static std::optional<LensMap> fit(std::span<const Pixel> plane,
                                                   std::span<const Pixel> image, const Pixel& middle,
-                                                  double sigma = 0);
+                                                  double sigma = 0, int degree = 3);
 
   [[nodiscard]] Pixel image_of(const Pixel& p) const;
   // Of the points that it was made of, RMS, px.
@@ -71,13 +72,13 @@ class LensMap {
 
   static std::optional<LensMap> start(Projection projection, std::span<const Pixel> plane,
                                       std::span<const Pixel> image, const Pixel& middle,
-                                      double scale);
+                                      double scale, int degree);
   // Without the polynomial.
   [[nodiscard]] Pixel project(const Pixel& p, Jacobian* jacobian = nullptr) const;
   [[nodiscard]] double square_error(std::span<const Pixel> plane,
                                     std::span<const Pixel> image) const;
   void improve(std::span<const Pixel> plane, std::span<const Pixel> image);
-  void add_rest(std::span<const Pixel> plane, std::span<const Pixel> image);
+  void add_rest(std::span<const Pixel> plane, std::span<const Pixel> image, int degree);
 
   Projection projection_;
   Numbers numbers_;
