@@ -19,8 +19,9 @@ enum class AlphaMode : std::uint8_t { kCalvin, kOpenCv };
 
 struct ViewOptions {
   // 0: the largest view without an invalid pixel (output pixel centres lie within the centres of
-  // the source's border pixels). 1: every source pixel inside the model's valid region is shown.
-  // Between: the borders of the view move linearly. Values outside 0..1 are taken as the nearest.
+  // the source's border pixels) whose middle is about the optical axis and that of the picture. 1:
+  // every source pixel inside the model's valid region is shown. Between: the borders of the view
+  // move linearly. Values outside 0..1 are taken as the nearest.
   double alpha = 0;
   ImageSize output;  // px; 0x0: as the source
   AlphaMode alpha_mode = AlphaMode::kCalvin;

@@ -50,12 +50,22 @@ struct Scene {
 
 Pixel between(Pixel a, Pixel b, double t) { return {a.u + t * (b.u - a.u), a.v + t * (b.v - a.v)}; }
 
+Pixel last_pixel(const Camera& source) {
+  return {source.image_size().width - 1.0, source.image_size().height - 1.0};
+}
+
+// The pixel next to the optical axis.
+Pixel axis_of(const Camera& source) {
+  const Pixel last = last_pixel(source);
+  return {std::clamp(source.cx(), 0.0, last.u), std::clamp(source.cy(), 0.0, last.v)};
+}
+
 // A valid source pixel to look around from: near the principal point, or else wherever there is
 // one.
 std::optional<Pixel> find_centre(const Scene& scene) {
   const Camera& source = scene.sight.camera;
-  const Pixel last = {source.image_size().width - 1.0, source.image_size().height - 1.0};
-  const Pixel axis = {std::clamp(source.cx(), 0.0, last.u), std::clamp(source.cy(), 0.0, last.v)};
+  const Pixel last = last_pixel(source);
+  const Pixel axis = axis_of(source);
   const Pixel middle = {last.u / 2, last.v / 2};
   constexpr int kSteps = 16;
   for (int i = 0; i <= kSteps; ++i) {
@@ -132,6 +142,20 @@ PlaneBox within(const PlaneBox& a, const PlaneBox& b) {
           {std::min(a.high.u, b.high.u), std::min(a.high.v, b.high.v)}};
 }
 
+// Where the middle of the largest view may lie: from the optical axis to the middle of the picture
+// and as far beyond it, for what lies at the border counts more on the plane. A wide lens, or an
+// output of another shape, has larger views at one side: a few percent more for half of the scene,
+// and at another side once the principal point moves by a pixel. Absent where the plane does not
+// show those points.
+std::optional<PlaneBox> middle_of(const Scene& scene) {
+  const Camera& source = scene.sight.camera;
+  const Pixel last = last_pixel(source);
+  const auto axis = scene.ideal_point(axis_of(source));
+  const auto middle = scene.ideal_point({last.u / 2, last.v / 2});
+  if (!axis || !middle) return std::nullopt;
+  return bounds({*axis, between(*axis, *middle, 2)});
+}
+
 // The smallest view that shows the whole border.
 Frame outer_frame(const PlaneBox& box, HalfSize half_size) {
   return {
@@ -178,7 +202,8 @@ bool encloses(const std::vector<Pixel>& border, double x, double y) {
   return inside;
 }
 
-// The largest view within all borders: a grid of centres, refined around its best one.
+// The largest view within all borders whose middle lies in the box: a grid of centres, refined
+// around its best one.
 Frame inner_frame(const Borders& borders, const PlaneBox& box, HalfSize half_size) {
   constexpr int kRounds = 40;
   constexpr int kWide = 8;  // rounds that look around widely: several maxima are possible
@@ -324,14 +349,19 @@ Result<ViewFrames> find_view_frames(std::span<const Sight> sights, Projection pr
   Borders borders;
   PlaneBox all;
   PlaneBox common;
+  std::vector<Pixel> middles;
   for (const Sight& sight : sights) {
-    Seen seen = seen_region({sight, projection});
+    const Scene scene = {sight, projection};
+    Seen seen = seen_region(scene);
     if (seen.border.empty()) return tl::unexpected(nothing_seen());
     const PlaneBox box = bounds(seen.border);
     all = borders.empty() ? box : around(all, box);
     common = borders.empty() ? box : within(common, box);
     frames.cut = frames.cut || seen.cut;
     borders.push_back(std::move(seen.border));
+    if (const auto middle = middle_of(scene)) {
+      middles.insert(middles.end(), {middle->low, middle->high});
+    }
   }
   const Camera& first = sights.front().camera;
   const HalfSize half_size = {std::max(size.width - 1, 1) / first.fx(),
@@ -340,7 +370,9 @@ Result<ViewFrames> find_view_frames(std::span<const Sight> sights, Projection pr
   const double most = widest(projection) / std::max(half_size.x, half_size.y);
   frames.cut = frames.cut || outer.size > most;
   outer.size = std::min(outer.size, most);
-  const Frame largest = inner_frame(borders, common, half_size);
+  Frame largest;
+  if (!middles.empty()) largest = inner_frame(borders, bounds(middles), half_size);
+  if (!(largest.size > 0)) largest = inner_frame(borders, common, half_size);
   if (sights.size() > 1 && !(largest.size > 0)) return tl::unexpected(nothing_common());
   const Frame inner = shrink_to_valid(sights, projection, size, largest);
   const auto box_of = [&](const Frame& f) {

@@ -4,6 +4,7 @@
 // The camera that an undistorted picture shows, and how a calibration fits a frame.
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -107,6 +108,40 @@ TEST(OutputCamera, AtAlphaZeroIsTheLargestOfAllPlaces) {
           continue;
         }
         EXPECT_LT(worst_on_border(c, larger), -1e-3) << dx << " " << dy;
+      }
+    }
+  }
+}
+
+// What the middle of the output shows, px of the source.
+Pixel middle_of(const Camera& source, const OutputView& view) {
+  const ImageSize size = view.camera.image_size();
+  return transfer(view.camera, VirtualCamera(source),
+                  {(size.width - 1) / 2.0, (size.height - 1) / 2.0})
+      .value();
+}
+
+// A wide lens shows more of the plane beside its axis than at it, and an output of another shape
+// has room at the sides: the largest view of all is there, at one side or at the other.
+TEST(OutputCamera, AtAlphaZeroIsAboutTheMiddleOfThePicture) {
+  const ImageSize size = {1280, 720};
+  for (const Projection projection : {Projection::kRectilinear, Projection::kStereographic,
+                                      Projection::kPanini, Projection::kCylindrical}) {
+    for (const ImageSize output : {ImageSize{}, {360, 640}, {1280, 160}}) {
+      std::optional<Pixel> before;
+      for (double cx = 632; cx <= 648; cx += 0.5) {
+        const Camera source =
+            Camera::make("fisheye", size, {500, 500, cx, 361, 0, 0, 0, 0}).value();
+        ViewOptions options;
+        options.output = output;
+        options.projection = projection;
+        const Pixel middle = middle_of(source, output_view(source, options).value());
+        EXPECT_NEAR(middle.u, 639.5, 24) << static_cast<int>(projection) << " " << cx;
+        EXPECT_NEAR(middle.v, 359.5, 8) << static_cast<int>(projection) << " " << cx;
+        if (before) {
+          EXPECT_NEAR(middle.u, before->u, 8) << static_cast<int>(projection) << " " << cx;
+        }
+        before = middle;
       }
     }
   }
