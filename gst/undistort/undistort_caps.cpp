@@ -39,6 +39,27 @@ void fixate_size(GstStructure* to, ImageSize size) {
                                          rounded_ratio(height, size.width, size.height));
 }
 
+bool can_be(const GstStructure* offered, const char* field, int value) {
+  g_auto(GValue) wanted = G_VALUE_INIT;
+  g_value_init(&wanted, G_TYPE_INT);
+  g_value_set_int(&wanted, value);
+  const GValue* has = gst_structure_get_value(offered, field);
+  return has == nullptr || gst_value_intersect(nullptr, has, &wanted) != FALSE;
+}
+
+// The first structure that has frames of that size, or else the first one: what cuts or turns
+// pictures downstream offers the size that it would make of the size before the size itself.
+GstCaps* preferred(GstCaps* offered, ImageSize size) {
+  for (guint i = 0; i < gst_caps_get_size(offered); ++i) {
+    const GstStructure* one = gst_caps_get_structure(offered, i);
+    if (!can_be(one, "width", size.width) || !can_be(one, "height", size.height)) continue;
+    GstCaps* with_size = gst_caps_copy_nth(offered, i);
+    gst_caps_unref(offered);
+    return with_size;
+  }
+  return gst_caps_truncate(offered);
+}
+
 // Says in `to` what colours and siting the frames of `in` have.
 void keep_meaning(GstStructure* to, const FrameFormat& in) {
   if (!gst_structure_has_field(to, "colorimetry")) {
@@ -83,12 +104,11 @@ GstCaps* undistort_transform_caps(GstBaseTransform* /*trans*/, GstPadDirection d
 
 GstCaps* undistort_fixate_caps(GstBaseTransform* /*trans*/, GstPadDirection direction,
                                GstCaps* caps, GstCaps* othercaps) {
-  othercaps = gst_caps_make_writable(gst_caps_truncate(othercaps));
-  GstStructure* to = gst_caps_get_structure(othercaps, 0);
   GstVideoInfo in;
   if (video_info_of(in, caps)) {
     const FrameFormat format(in, caps);
-    fixate_size(to, format.size());
+    othercaps = gst_caps_make_writable(preferred(othercaps, format.size()));
+    fixate_size(gst_caps_get_structure(othercaps, 0), format.size());
     othercaps = gst_caps_fixate(othercaps);
     GstVideoInfo out;
     if (direction == GST_PAD_SINK && GST_VIDEO_INFO_IS_YUV(&in) &&

@@ -120,6 +120,34 @@ GST_START_TEST(test_the_size_of_the_input_is_preferred_and_then_its_aspect) {
 }
 GST_END_TEST;
 
+// What comes out for 640x480 where elements behind change the size: they do it once.
+static const struct {
+  const char* behind;
+  ImageSize out;
+} kChangedBehind[] = {
+    {"videocrop left=100", {540, 480}},
+    {"videocrop left=100 right=100 top=60 bottom=60", {440, 360}},
+    {"videobox left=-100", {740, 480}},
+    {"videoflip video-direction=90r", {480, 640}},
+    {"videoscale ! capsfilter caps=video/x-raw,width=320,height=240", {320, 240}},
+    {"videocrop left=100 ! capsfilter caps=video/x-raw,width=440,height=480", {440, 480}},
+};
+
+GST_START_TEST(test_a_change_of_size_behind_counts_once) {
+  const auto& [behind, out] = kChangedBehind[__i__];
+  const std::string line = behind;
+  g_autoptr(GstElementFactory) factory =
+      gst_element_factory_find(line.substr(0, line.find(' ')).c_str());
+  if (factory == nullptr) return;
+  for (const char* set : {"", "calibration=fx=480,fy=480,cx=320,cy=240,k1=-0.2"}) {
+    Fixture f((std::string("calibundistort ") + set + " ! " + line).c_str());
+    f.set_caps("I420", kSize);
+    g_autoptr(GstBuffer) buffer = gst_harness_push_and_pull(f.h, Fixture::noise("I420", kSize, 1));
+    fail_unless(size_out(f) == out, "%dx%d", size_out(f).width, size_out(f).height);
+  }
+}
+GST_END_TEST;
+
 // One factor both ways, the middle in the middle, and the frame is full.
 static void check_scaled(GstBuffer* buffer, ImageSize out, int row_step) {
   const auto picture = gray_of(buffer, out);
@@ -300,6 +328,8 @@ static Suite* calibundistort_sizes_suite() {
   TCase* tc = tcase_create("general");
   const int sizes = static_cast<int>(std::size(kSizes));
   const int negotiated = static_cast<int>(std::size(kNegotiated));
+  const int behind = static_cast<int>(std::size(kChangedBehind));
+  tcase_add_loop_test(tc, test_a_change_of_size_behind_counts_once, 0, behind);
   tcase_add_test(tc, test_another_size_is_scaled_and_another_aspect_refused);
   tcase_add_test(tc, test_a_sensor_crop_says_what_the_frames_show);
   tcase_add_loop_test(tc, test_the_size_of_the_input_is_preferred_and_then_its_aspect, 0,
