@@ -144,7 +144,10 @@ bool print_verdict(const Options& options, const calvin::Calibration& c) {
   const double accuracy = 2 * c.expected_error.value_or(0);
   const bool poor = options.accuracy && !(c.expected_error && accuracy <= *options.accuracy);
   const bool misfit = calvin_tools::has_misfit(c);
-  if (poor && !misfit) {
+  if (poor && !misfit && !c.expected_error) {
+    fmt::print("verdict: nothing is known of its accuracy, where {:.3g} px were asked for\n",
+               *options.accuracy);
+  } else if (poor && !misfit) {
     fmt::print("verdict: not good enough, accurate to {:.3g} px where {:.3g} px were asked for\n",
                accuracy, *options.accuracy);
   } else {

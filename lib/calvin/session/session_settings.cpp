@@ -269,7 +269,9 @@ FittedInitial fit_initial(const SessionPlan& plan, ImageSize frames) {
                                                camera.error().message};
     return fitted;
   }
-  fitted.calibration = camera->camera.to_calibration();
+  // One of just these frames keeps what is known of it: it may be held.
+  const bool is_of_frames = plan.initial->image_size == frames && !plan.initial->sensor_crop;
+  fitted.calibration = is_of_frames ? *plan.initial : camera->camera.to_calibration();
   if (camera->scaled) {
     fitted.warning = {ErrorCode::kInvalidArgument,
                       fmt::format("The calibration to start from (initial) is for {}x{} px and is "

@@ -120,24 +120,6 @@ std::optional<double> noise_of(const Observation& seen) {
   return squares;
 }
 
-// The verdict on a camera that is held: nothing else tells that it is that of these views.
-void judge_held_camera(Solution& solution, double squares, std::optional<double> noise) {
-  constexpr double kFarOff = 5;   // times the noise
-  constexpr double kLeast = 0.3;  // px, RMS
-  if (!noise || !(*noise > 0)) return;
-  Calibration& calibration = solution.calibration;
-  calibration.chi = std::sqrt(squares / *noise);
-  const bool is_off = *calibration.chi > kFarOff && calibration.rms.value_or(0) > kLeast;
-  solution.misfit.cause = is_off ? Misfit::Cause::kModel : Misfit::Cause::kNone;
-  solution.misfit.noticed = solution.misfit.cause;
-  calibration.misfit = to_string(solution.misfit.cause);
-  if (!is_off) return;
-  calibration.remarks.push_back(fmt::format(
-      "Corners are {:.2g} px (RMS) from where the camera that is held has them, {:.2g} times their "
-      "noise: these views are of another camera, of a lens that has moved, or of another board.",
-      *calibration.rms, *calibration.chi));
-}
-
 }  // namespace
 
 Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
@@ -183,7 +165,7 @@ Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
                       "lie on one line.");
   }
   solution.calibration.rms = std::sqrt(squares / points);
-  judge_held_camera(solution, squares, noise);
+  if (noise && *noise > 0) solution.calibration.chi = std::sqrt(squares / *noise);
   return solution;
 }
 

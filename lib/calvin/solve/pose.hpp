@@ -44,7 +44,8 @@ struct PoseQuality {
 
 // The poses of all views before the camera that `initial` tells, each by solve_pose(): what solve()
 // returns where holds_camera(). The calibration is that camera with what is known of it, but with
-// these views and their rms. Views without a pose are rejected; kDegenerate where none is left.
+// these views, their rms and chi. Views without a pose are rejected; kDegenerate where none is
+// left.
 [[nodiscard]] Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
                                            const SolveOptions& options);
 

@@ -298,4 +298,52 @@ std::string advice(const RecheckReport& report) {
       report.displacement, report.displacement_sigma);
 }
 
+namespace {
+
+// What of the views tells whether the calibration holds, at most kMostViews of all of them.
+RecheckReport recheck(const Calibration& calibration, const Camera& camera,
+                      std::span<const View> views, const std::optional<ReadoutTime>& readout) {
+  Recheck check(camera, calibration, readout);
+  RecheckReport report;
+  const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
+  for (std::size_t i = 0; i < views.size(); i += step) {
+    if (!views[i].observation.found()) continue;
+    if (const auto here = check.add(views[i])) report = *here;
+  }
+  return report;
+}
+
+}  // namespace
+
+void judge_held_camera(Solution& solution, std::span<const View> views,
+                       const SolveOptions& options) {
+  constexpr double kFarOff = 5;   // times the noise
+  constexpr double kMoved = 3;    // sigma
+  constexpr double kLeast = 0.3;  // px
+  const auto camera = Camera::make(*options.initial);
+  if (!camera) return;
+  Calibration& calibration = solution.calibration;
+  const RecheckReport report = recheck(*options.initial, *camera, views, options.readout);
+  const double rms = calibration.rms.value_or(0);
+  const double chi = calibration.chi.value_or(0);
+  const bool has_moved = report.displacement > std::max(kMoved * report.displacement_sigma, kLeast);
+  const bool is_off = has_moved || (chi > kFarOff && rms > kLeast);
+  solution.misfit.cause = is_off ? Misfit::Cause::kModel : Misfit::Cause::kNone;
+  solution.misfit.noticed = solution.misfit.cause;
+  calibration.misfit = to_string(solution.misfit.cause);
+  if (!is_off) return;
+  const std::string how_far =
+      has_moved ? fmt::format(
+                      "The picture is {:.2g} +- {:.1g} px from where the camera that is "
+                      "held has it",
+                      report.displacement, report.displacement_sigma)
+                : fmt::format(
+                      "Corners are {:.2g} px (RMS) from where the camera that is held has "
+                      "them, {:.2g} times their noise",
+                      rms, chi);
+  calibration.remarks.push_back(how_far +
+                                ": these views are of another camera, of a lens that has moved, or "
+                                "of another board.");
+}
+
 }  // namespace calvin

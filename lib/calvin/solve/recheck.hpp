@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/solve/options.hpp"
+#include "calvin/solve/solution.hpp"
 #include "calvin/solve/view.hpp"
 
 namespace calvin {
@@ -92,5 +94,10 @@ class Recheck {
   BoardWarp warp_;                // of that board
   std::vector<Condensed> views_;  // in order of time
 };
+
+// The verdict on the camera that solve_poses() held, of which nothing but these views tells that it
+// is theirs: misfit, and a remark where it is not.
+void judge_held_camera(Solution& solution, std::span<const View> views,
+                       const SolveOptions& options);
 
 }  // namespace calvin

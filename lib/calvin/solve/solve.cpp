@@ -24,6 +24,7 @@
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/pose.hpp"
+#include "calvin/solve/recheck.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/points.hpp"
 #include "calvin/solve/simpler_model.hpp"
@@ -284,12 +285,19 @@ Result<Solution> named(Result<Solution> solution, std::span<const View> views,
   return solution;
 }
 
+Result<Solution> solve_held(std::span<const View> views, ImageSize image_size,
+                            const SolveOptions& options) {
+  auto solution = solve_poses(views, image_size, options);
+  if (solution) judge_held_camera(*solution, views, options);
+  return named(std::move(solution), views, options);
+}
+
 Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
                              const SolveOptions& options, const std::stop_token& stop) {
   if (const Status status = check_image_size(image_size); !status) {
     return tl::unexpected<Error>(status.error());
   }
-  if (holds_camera(options)) return named(solve_poses(views, image_size, options), views, options);
+  if (holds_camera(options)) return solve_held(views, image_size, options);
   auto usable = usable_views(views, image_size);
   if (!usable) return tl::unexpected<Error>(usable.error());
   auto solution = options.refine && is_refined(options.method)

@@ -4,6 +4,7 @@
 // The pose of one board before a known camera.
 #include <gtest/gtest.h>
 
+#include "calvin/core/text.hpp"
 #include "calvin/solve/pose.hpp"
 #include "calvin/solve/solve.hpp"
 #include "scenes.hpp"
@@ -212,6 +213,32 @@ TEST(Poses, SayThatTheCameraThatIsHeldIsAnother) {
   EXPECT_EQ(wrong->calibration.misfit, "model");
   ASSERT_EQ(wrong->calibration.remarks.size(), 1U);
   EXPECT_NE(wrong->calibration.remarks[0].find("another camera"), std::string::npos);
+}
+
+// A camera that differs by less than five times the noise is told by what all views have in common.
+TEST(Poses, SayThatTheCameraThatIsHeldIsASimilarOne) {
+  Random random(3);
+  const Camera camera = scenes::random_camera("brown5", random);
+  std::vector<View> views;
+  for (int i = 0; i < 12; ++i) {
+    const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.7);
+    views.push_back(scenes::observe(camera, kBoard, pose, 0.15, random));
+  }
+  SolveOptions options;
+  options.fix = {"all"};
+  options.initial = camera.to_calibration();
+  options.initial->expected_error = 0.07;
+  const auto right = solve(views, scenes::kSize, options);
+  ASSERT_TRUE(right.has_value());
+  EXPECT_EQ(right->calibration.misfit, "none") << join(right->calibration.remarks, " ");
+  EXPECT_EQ(right->calibration.expected_error, 0.07) << "what is known of it";
+  options.initial->parameters[2].value += 20;
+  const auto similar = solve(views, scenes::kSize, options);
+  ASSERT_TRUE(similar.has_value());
+  EXPECT_LT(similar->calibration.chi.value_or(0), 5);
+  EXPECT_EQ(similar->calibration.misfit, "model");
+  ASSERT_EQ(similar->calibration.remarks.size(), 1U);
+  EXPECT_NE(similar->calibration.remarks[0].find("The picture is"), std::string::npos);
 }
 
 }  // namespace
