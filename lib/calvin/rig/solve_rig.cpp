@@ -23,6 +23,7 @@
 #include "calvin/rig/fixed/solve_with_boards.hpp"
 #include "calvin/rig/floor.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
+#include "calvin/rig/lenses/lens_check.hpp"
 #include "calvin/rig/lenses/solve_with_lenses.hpp"
 #include "calvin/rig/result/fixed_board_result.hpp"
 #include "calvin/rig/result/rig_frame.hpp"
@@ -231,7 +232,9 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   const rig::JointSolve& one = solved->boards.joint;
   rig::RigFit& fit = solved->boards.joint.fit;
   RigSolution solution;
-  solution.remarks = std::move(solved->remarks);
+  if (options.intrinsics != RigIntrinsics::kFree)
+    solution.remarks = rig::lens_remarks(seen, cameras);
+  std::ranges::move(solved->remarks, std::back_inserter(solution.remarks));
   solution.farthest = one.farthest;
   solution.rig.world = seen.front().calibration.camera;
   solution.rig.rms = fit.rms;

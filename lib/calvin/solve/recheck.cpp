@@ -29,6 +29,7 @@ namespace {
 constexpr std::size_t kMostViews = 30;  // the latest ones
 constexpr double kPriorWidth = 0.02;    // of the image width, 1 sigma of a parameter's effect
 constexpr double kSimilar = 0.02;  // of the image diagonal: boards nearer than this are one view
+constexpr double kLeast = 0.3;     // px, of a contradiction that matters
 constexpr double kSigmas = 2;      // a change that is less likely by chance is one
 
 // The columns of the parameters with a sigma; of all parameters where none has one.
@@ -135,6 +136,22 @@ Recheck::Recheck(const Camera& camera, const Calibration& calibration,
 }
 
 Result<RecheckReport> Recheck::add(const View& view) {
+  auto report = gather(view);
+  if (report) judge(*report);
+  return report;
+}
+
+RecheckReport Recheck::add(std::span<const View> views) {
+  const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
+  for (std::size_t i = 0; i < views.size(); i += step) {
+    if (views[i].observation.found()) (void)gather(views[i]);
+  }
+  RecheckReport report;
+  judge(report);
+  return report;
+}
+
+Result<RecheckReport> Recheck::gather(const View& view) {
   PoseQuality quality;
   const BoardWarp warp = view.board.text() == board_ ? warp_ : BoardWarp{};
   const auto pose = solve_pose(camera_, view.board, view.observation, &quality, warp);
@@ -146,7 +163,6 @@ Result<RecheckReport> Recheck::add(const View& view) {
   report.camera_from_board = to_pose(*pose);
   report.rms = quality.rms;
   report.points = static_cast<int>(points.used());
-  judge(report);
   return report;
 }
 
@@ -298,49 +314,39 @@ std::string advice(const RecheckReport& report) {
       report.displacement, report.displacement_sigma);
 }
 
-namespace {
-
-// What of the views tells whether the calibration holds, at most kMostViews of all of them.
-RecheckReport recheck(const Calibration& calibration, const Camera& camera,
-                      std::span<const View> views, const std::optional<ReadoutTime>& readout) {
-  Recheck check(camera, calibration, readout);
-  RecheckReport report;
-  const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
-  for (std::size_t i = 0; i < views.size(); i += step) {
-    if (!views[i].observation.found()) continue;
-    if (const auto here = check.add(views[i])) report = *here;
-  }
-  return report;
+std::optional<RecheckReport> contradiction(const Camera& camera, const Calibration& calibration,
+                                           std::span<const View> views,
+                                           std::optional<ReadoutTime> readout) {
+  constexpr double kCertain = 3;  // sigma
+  const RecheckReport report = Recheck(camera, calibration, readout).add(views);
+  const bool contradicts =
+      report.displacement > std::max(kCertain * report.displacement_sigma, kLeast);
+  return contradicts ? std::optional(report) : std::nullopt;
 }
-
-}  // namespace
 
 void judge_held_camera(Solution& solution, std::span<const View> views,
                        const SolveOptions& options) {
-  constexpr double kFarOff = 5;   // times the noise
-  constexpr double kMoved = 3;    // sigma
-  constexpr double kLeast = 0.3;  // px
+  constexpr double kFarOff = 5;  // times the noise
   const auto camera = Camera::make(*options.initial);
   if (!camera) return;
   Calibration& calibration = solution.calibration;
-  const RecheckReport report = recheck(*options.initial, *camera, views, options.readout);
+  const auto moved = contradiction(*camera, *options.initial, views, options.readout);
   const double rms = calibration.rms.value_or(0);
   const double chi = calibration.chi.value_or(0);
-  const bool has_moved = report.displacement > std::max(kMoved * report.displacement_sigma, kLeast);
-  const bool is_off = has_moved || (chi > kFarOff && rms > kLeast);
+  const bool is_off = moved || (chi > kFarOff && rms > kLeast);
   solution.misfit.cause = is_off ? Misfit::Cause::kModel : Misfit::Cause::kNone;
   solution.misfit.noticed = solution.misfit.cause;
   calibration.misfit = to_string(solution.misfit.cause);
   if (!is_off) return;
   const std::string how_far =
-      has_moved ? fmt::format(
-                      "The picture is {:.2g} +- {:.1g} px from where the camera that is "
-                      "held has it",
-                      report.displacement, report.displacement_sigma)
-                : fmt::format(
-                      "Corners are {:.2g} px (RMS) from where the camera that is held has "
-                      "them, {:.2g} times their noise",
-                      rms, chi);
+      moved ? fmt::format(
+                  "The picture is {:.2g} +- {:.1g} px from where the camera that is "
+                  "held has it",
+                  moved->displacement, moved->displacement_sigma)
+            : fmt::format(
+                  "Corners are {:.2g} px (RMS) from where the camera that is held has "
+                  "them, {:.2g} times their noise",
+                  rms, chi);
   calibration.remarks.push_back(how_far +
                                 ": these views are of another camera, of a lens that has moved, or "
                                 "of another board.");

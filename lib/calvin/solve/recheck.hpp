@@ -58,6 +58,9 @@ class Recheck {
 
   // Fails as solve_pose() does for a view that determines no pose.
   [[nodiscard]] Result<RecheckReport> add(const View& view);
+  // Of that many views at once, none of which need tell a pose: what the last add() would report,
+  // without a pose, rms and points. Of more than 30, every other or third one and so on is taken.
+  [[nodiscard]] RecheckReport add(std::span<const View> views);
 
  private:
   // One view, its pose eliminated: information and gradient over the parameters in `columns_` and,
@@ -75,6 +78,7 @@ class Recheck {
   [[nodiscard]] bool has_readout() const { return readout_ && readout_->sigma > 0; }
   [[nodiscard]] std::optional<Condensed> condense(const View& view, const PointSet& points,
                                                   const SE3& pose) const;
+  [[nodiscard]] Result<RecheckReport> gather(const View& view);
   void keep(Condensed view);
   struct Step;
   [[nodiscard]] std::optional<Step> step() const;
@@ -94,6 +98,13 @@ class Recheck {
   BoardWarp warp_;                // of that board
   std::vector<Condensed> views_;  // in order of time
 };
+
+// What views prove of the camera of a calibration where they contradict it: a displacement of more
+// than 3 sigma, and of .3 px. `readout`: as for Recheck.
+[[nodiscard]] std::optional<RecheckReport> contradiction(const Camera& camera,
+                                                         const Calibration& calibration,
+                                                         std::span<const View> views,
+                                                         std::optional<ReadoutTime> readout = {});
 
 // The verdict on the camera that solve_poses() held, of which nothing but these views tells that it
 // is theirs: misfit, and a remark where it is not.
