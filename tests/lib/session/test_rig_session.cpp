@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Which views a session of several cameras keeps, when it solves, and that the times of cameras
-// that run freely are allowed for.
+// Which views a session of several cameras keeps, and when it solves.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -15,49 +14,15 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-#include "calvin/session/rig/rig_session.hpp"
-#include "simulated_rig.hpp"
+#include "rig_sessions.hpp"
 
 namespace calvin {
 namespace {
 
+using scenes::kFrame;
 using scenes::Random;
+using scenes::Sessions;
 using scenes::SimulatedRig;
-
-constexpr std::uint64_t kFrame = 33'000'000;  // ns
-
-// A session of a stereo rig whose cameras are known.
-struct Sessions {
-  explicit Sessions(RigMode mode = RigMode::kJoint, std::uint64_t tolerance = 10'000'000) {
-    Random random(1);
-    rig = scenes::stereo_rig(random);
-    RigSessionSettings settings;
-    settings.options = {mode, tolerance};
-    session.start(settings);
-    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-      session.set_name(c, "cam" + std::to_string(c));
-      session.set_intrinsics(c, rig.cameras[c].to_calibration());
-    }
-  }
-  // What a camera sees of a board at a time, if it sees it.
-  std::optional<Observation> seen(std::size_t camera, const SE3& world_from_board,
-                                  std::uint64_t timestamp) {
-    const SE3 pose = rig.world_from_camera[camera].inverse() * world_from_board;
-    if (!scenes::faces(pose) || !scenes::sees_all(rig.cameras[camera], rig.board, pose)) {
-      return std::nullopt;
-    }
-    View view = scenes::observe(rig.cameras[camera], rig.board, pose, rig.noise, noise);
-    view.observation.timestamp = timestamp;
-    return view.observation;
-  }
-  bool offer(std::size_t camera, const SE3& world_from_board, std::uint64_t timestamp) {
-    const auto observation = seen(camera, world_from_board, timestamp);
-    return observation && session.offer(camera, *observation).value();
-  }
-  SimulatedRig rig;
-  RigSession session;
-  Random noise{7};
-};
 
 // What the session is told of a solve.
 std::shared_ptr<const WatchedRig> watched(const RigJob& job, const RigSolution& solved) {
@@ -161,42 +126,6 @@ TEST(RigSession, ForgetsWhatWouldBeTooMuch) {
     EXPECT_GT(camera.views.size(), 100U);
     EXPECT_LE(camera.views.size(), 601U);
   }
-}
-
-// A board that swings before two cameras of which one is 8 ms late: by its velocity that is known
-// to each corner, and what is said of the result is so.
-TEST(RigSession, AllowsForCamerasThatRunFreely) {
-  constexpr std::uint64_t kLate = 8'000'000;  // ns
-  double squares = 0;
-  const int trials = scenes::full_count() ? 200 : 25;
-  for (int trial = 0; trial < trials; ++trial) {
-    Sessions s;
-    Random random(20 + static_cast<std::uint64_t>(trial));
-    const double phases[] = {scenes::uniform(random, 0, 6), scenes::uniform(random, 0, 6),
-                             scenes::uniform(random, 0, 6), scenes::uniform(random, 0, 6)};
-    const auto at = [&](std::uint64_t ns) {
-      const double t = 1e-9 * static_cast<double>(ns);
-      const auto swing = [&](std::size_t i, double rate) { return std::sin(rate * t + phases[i]); };
-      return SE3{exp_so3({0.4 * swing(0, 1.1), 0.4 * swing(1, 0.9), 0.3}),
-                 {0.0 + 0.08 * swing(2, 0.8), -0.05 + 0.05 * swing(3, 1.0), 0.62}};
-    };
-    for (std::uint64_t n = 0; n < 900; ++n) {
-      (void)s.offer(0, at(n * kFrame), n * kFrame);
-      // Frames that are lost leave intervals that are not even.
-      if (n % 5 == 3 || n % 7 == 2) continue;
-      (void)s.offer(1, at(n * kFrame + kLate), n * kFrame + kLate);
-    }
-    const auto job = s.session.take_solve(true);
-    ASSERT_TRUE(job.has_value());
-    const auto solved = solve_rig(views_of(*job), job->options);
-    ASSERT_TRUE(solved.has_value()) << solved.error().message;
-    EXPECT_EQ(solved->farthest, kLate);
-    const SE3 truth = s.rig.world_from_camera[0].inverse() * s.rig.world_from_camera[1];
-    squares += scenes::place_error(solved->rig.cameras[1], truth).square;
-  }
-  std::cout << "mean of e^T C^-1 e / 6 = " << squares / trials << '\n';
-  EXPECT_GT(squares / trials, 0.6);
-  EXPECT_LT(squares / trials, 1.5);
 }
 
 // Numbers of cameras may have gaps, one that sees nothing keeps the others from nothing and is

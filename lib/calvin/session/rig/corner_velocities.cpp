@@ -5,6 +5,8 @@
 
 #include "calvin/session/rig/corner_velocities.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -41,6 +43,25 @@ std::vector<Pixel> interpolated(const std::vector<Pixel>& first, const std::vect
                    first[i].v + share * (second[i].v - first[i].v)});
   }
   return all;
+}
+
+double speed_of(const std::vector<Pixel>& velocities) {
+  double sum = 0;
+  for (const Pixel& v : velocities) sum += v.u * v.u + v.v * v.v;
+  return velocities.empty() ? 0 : std::sqrt(sum / static_cast<double>(velocities.size()));
+}
+
+bool is_jump(const std::vector<Pixel>& there, double seconds_there,
+             const std::vector<Pixel>& from_there, double seconds_from_there, double far) {
+  constexpr double kOther = 0.7;  // of the greater velocity
+  const double first = speed_of(there);
+  const double second = speed_of(from_there);
+  if (std::max(first * seconds_there, second * seconds_from_there) < far) return false;
+  std::vector<Pixel> change;
+  for (std::size_t i = 0; i < std::min(there.size(), from_there.size()); ++i) {
+    change.push_back({from_there[i].u - there[i].u, from_there[i].v - there[i].v});
+  }
+  return speed_of(change) > kOther * std::max(first, second);
 }
 
 }  // namespace calvin

@@ -20,4 +20,14 @@ namespace calvin {
 [[nodiscard]] std::vector<Pixel> interpolated(const std::vector<Pixel>& first,
                                               const std::vector<Pixel>& second, double share);
 
+// Whether nobody knows how a board moves at a picture, by the velocities on its way there and on
+// its way from there: it goes over `far` px on one of them, at least, and has hardly anything of
+// that velocity on the other one, as where it is put down, or in stills that are shown as a video.
+[[nodiscard]] bool is_jump(const std::vector<Pixel>& there, double seconds_there,
+                           const std::vector<Pixel>& from_there, double seconds_from_there,
+                           double far);
+
+// RMS, px/s.
+[[nodiscard]] double speed_of(const std::vector<Pixel>& velocities);
+
 }  // namespace calvin

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::uint64_t kMoment = 1'000'000'000;  // ns: views of which the time may yet be wanted
 constexpr double kNewPlace = 0.02;                // of the width of the picture
+constexpr double kJump = 0.02;                    // likewise, from one picture to the next
 // Of a camera; then every other time is forgotten.
 constexpr std::size_t kMostBoards = 600;
 constexpr std::size_t kMostLights = 2000;  // of one point each
@@ -117,14 +118,22 @@ Result<View> RigSession::to_view(const Observation& observation) {
   return view;
 }
 
-// The view before is told how fast its board moved, by the views on both sides of it.
+// The view before is told how fast its board moved, by the views on both sides of it, and is
+// forgotten where these tell nothing.
 void RigSession::improve_last(std::size_t number, const Observation& now) {
   Camera& camera = cameras_[number];
   const Observation& last = camera.last->observation;
   std::vector<Pixel> ahead = velocities(last, now);
   if (ahead.empty()) return;
   const double passed = seconds_between(last, now);
-  if (!last.velocity.empty()) {
+  const double far = kJump * last.image_size.width;
+  const bool jumps =
+      !last.velocity.empty() && is_jump(last.velocity, camera.passed, ahead, passed, far);
+  const double fastest = std::max(speed_of(last.velocity), speed_of(ahead));
+  if (jumps) {
+    // It has stood there, or stands there now.
+    if (speed_of(last.velocity) < speed_of(ahead)) ahead = last.velocity;
+  } else if (!last.velocity.empty()) {
     ahead = interpolated(last.velocity, ahead, camera.passed / (camera.passed + passed));
   }
   auto improved = std::make_shared<View>(*camera.last);
@@ -134,6 +143,36 @@ void RigSession::improve_last(std::size_t number, const Observation& now) {
   std::ranges::replace(camera.apart, camera.last, better);
   std::ranges::replace(camera.recent, camera.last, better);
   recent_instants_.replace(number, camera.last, better);
+  camera.last = better;
+  const bool is_there_still = jumps && passed * speed_of(velocities(last, now)) < far;
+  if (is_there_still && !goes_with_another(number, last.timestamp, fastest)) forget_last(number);
+}
+
+// The board is there in the next picture, too.
+void RigSession::forget_last(std::size_t number) {
+  Camera& camera = cameras_[number];
+  const std::uint64_t then = camera.last->observation.timestamp;
+  const auto kept = std::erase(camera.kept, camera.last) + std::erase(camera.apart, camera.last);
+  std::erase(camera.recent, camera.last);
+  if (kept > 0) std::erase(wanted_, then);
+}
+
+// Whether another camera's picture is of that time, in which a board of that speed, px/s, goes
+// nowhere.
+bool RigSession::goes_with_another(std::size_t number, std::uint64_t time, double speed) const {
+  constexpr double kNowhere = 0.02;  // px
+  const auto is_near = [&](const SharedView& other) {
+    const std::uint64_t late = between(other->observation.timestamp, time);
+    return speed * 1e-9 * static_cast<double>(late) < kNowhere;
+  };
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    if (c == number) continue;
+    for (const auto* list : {&cameras_[c].kept, &cameras_[c].apart}) {
+      if (std::ranges::any_of(*list, is_near)) return true;
+    }
+    if (std::ranges::any_of(cameras_[c].recent, is_near)) return true;
+  }
+  return false;
 }
 
 // The first view decides where the settings leave it open.

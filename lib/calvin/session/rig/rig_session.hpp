@@ -192,6 +192,8 @@ class RigSession {
   Camera& at(std::size_t camera);
   [[nodiscard]] Result<View> to_view(const Observation& observation);
   void improve_last(std::size_t number, const Observation& now);
+  void forget_last(std::size_t number);
+  [[nodiscard]] bool goes_with_another(std::size_t number, std::uint64_t time, double speed) const;
   // Whether views of that kind count.
   [[nodiscard]] bool takes(const View& view);
   [[nodiscard]] bool is_new(const std::vector<SharedView>& kept, const View& view) const;
