@@ -40,6 +40,18 @@ Result<CalibrationEvent> parse_event(GstEvent* event) {
   return CalibrationEvent{get_string(s, "camera"), get_string(s, field)};
 }
 
+// Why a setting of which rig_of() is nullptr rectifies nothing.
+Error no_pair_in(const CameraSetting& setting) {
+  if (const auto* stereo = std::get_if<StereoFile>(&setting)) {
+    const Error& error = stereo->pair.error();
+    return {error.code, error.message + " Until then frames pass unchanged."};
+  }
+  return {ErrorCode::kInvalidArgument,
+          "The calibration is that of one camera, and rectification wants a pair: give the file "
+          "that calvin-rig or calibrig wrote, or set rectify=none. Until then frames pass "
+          "unchanged."};
+}
+
 }  // namespace
 
 std::vector<Error> CalibrationInput::start() {
@@ -185,24 +197,25 @@ std::optional<CameraSetting>& CalibrationInput::in_force() {
 Calibration* CalibrationInput::known(std::vector<Error>& errors) {
   std::optional<CameraSetting>& source = in_force();
   if (!source) return nullptr;
-  auto* rig = std::get_if<Rig>(&*source);
-  if (!side_ && rig != nullptr) {
-    report({ErrorCode::kInvalidArgument,
-            "The calibration is a rig: say with rectify=left or rectify=right which of its cameras "
-            "the frames are of, or give the calibration of that camera alone. Until then they pass "
-            "unchanged."},
-           errors);
-    return nullptr;
-  }
-  const auto* table = std::get_if<ZoomTable>(&*source);
-  if (!side_ && table != nullptr) return where_it_stands(*table, errors);
-  if (!side_) return &std::get<Calibration>(*source);
+  return side_ ? camera_of_pair(*source, errors) : single_camera(*source, errors);
+}
+
+Calibration* CalibrationInput::single_camera(CameraSetting& source, std::vector<Error>& errors) {
+  if (Calibration* calibration = one_camera_of(source)) return calibration;
+  const auto* table = std::get_if<ZoomTable>(&source);
+  if (table != nullptr) return where_it_stands(*table, errors);
+  report({ErrorCode::kInvalidArgument,
+          "The calibration is a rig: say with rectify=left or rectify=right which of its cameras "
+          "the frames are of, or give the calibration of that camera alone. Until then they pass "
+          "unchanged."},
+         errors);
+  return nullptr;
+}
+
+Calibration* CalibrationInput::camera_of_pair(CameraSetting& source, std::vector<Error>& errors) {
+  Rig* rig = rig_of(source);
   if (rig == nullptr) {
-    report({ErrorCode::kInvalidArgument,
-            "The calibration is that of one camera, and rectification wants a pair: give the file "
-            "that calvin-rig or calibrig wrote, or set rectify=none. Until then frames pass "
-            "unchanged."},
-           errors);
+    report(no_pair_in(source), errors);
     return nullptr;
   }
   const auto own = camera_of_side(*rig, *side_);
@@ -256,7 +269,7 @@ Status CalibrationInput::set_camera(const FittedCamera& fitted) {
                         "Rectification takes whole frames as the camera gives them: put cropping "
                         "and turning behind this element. Until then frames pass unchanged.");
     }
-    auto sights = rectified_sights(std::get<Rig>(*in_force()), *side_, frames_);
+    auto sights = rectified_sights(*rig_of(*in_force()), *side_, frames_);
     if (!sights) return tl::unexpected(sights.error());
     const std::size_t own = *side_ == StereoSide::kLeft ? 0 : 1;
     rectification = std::make_shared<const Rectification>(Rectification{*std::move(sights), own});

@@ -79,6 +79,8 @@ class CalibrationInput {
   void fit(std::vector<Error>& errors);
   [[nodiscard]] std::optional<CameraSetting>& in_force();
   [[nodiscard]] Calibration* known(std::vector<Error>& errors);
+  [[nodiscard]] Calibration* single_camera(CameraSetting& source, std::vector<Error>& errors);
+  [[nodiscard]] Calibration* camera_of_pair(CameraSetting& source, std::vector<Error>& errors);
   [[nodiscard]] Calibration* where_it_stands(const ZoomTable& table, std::vector<Error>& errors);
   void count_change();
   [[nodiscard]] Status set_camera(const FittedCamera& fitted);
