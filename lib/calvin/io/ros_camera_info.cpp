@@ -67,8 +67,7 @@ Result<Calibration> read_ros(const Node& root) {
                                 name.substr(0, 40)),
                     ErrorCode::kUnsupported);
   }
-  const Matrix k = read_matrix(fields, "camera_matrix");
-  if (k.data.size() != 9) fields.complain("camera_matrix", "is not a matrix of 3x3");
+  const std::array<double, 9> k = read_3x3(fields, "camera_matrix");
   const Matrix d = read_matrix(fields, "distortion_coefficients");
   if (problem) return tl::unexpected(*problem);
   if (size.width < 1 || size.height < 1) {
@@ -79,9 +78,7 @@ Result<Calibration> read_ros(const Node& root) {
                       fmt::format("'distortion_coefficients' are {}, but {} has {}", d.data.size(),
                                   name, model->most));
   }
-  OpenCvCamera camera{{}, d.data, model->fisheye};
-  std::copy(k.data.begin(), k.data.end(), camera.k.begin());
-  auto calibration = from_opencv(camera, size);
+  auto calibration = from_opencv({k, d.data, model->fisheye}, size);
   if (calibration) calibration->camera = fields.word("camera_name");
   return calibration;
 }

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Calibrations as scripts and tools leave them that know no format: arrays of NumPy as plain lists.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/rig_io.hpp"
+#include "calvin_config.h"
+#include "io_samples.hpp"
+
+namespace calvin {
+namespace {
+
+std::string complaint(const std::string& text) {
+  const auto read = parse_calibration(text);
+  return read ? "it was read" : read.error().message;
+}
+
+void expect_complaint(const std::string& text, const char* words) {
+  EXPECT_NE(complaint(text).find(words), std::string::npos) << text << "\n" << complaint(text);
+}
+
+// The file is the camera of every sample file.
+void expect_is_the_sample(const std::string& text) {
+  const auto read = parse_calibration(text);
+  ASSERT_TRUE(read) << read.error().message << "\n" << text;
+  const auto sample = parse_calibration(test::kNativeFile);
+  EXPECT_EQ(read->image_size, sample->image_size);
+  EXPECT_EQ(read->model, sample->model);
+  for (const Parameter& p : sample->parameters) {
+    ASSERT_NE(read->find(p.name), nullptr) << p.name;
+    EXPECT_EQ(read->find(p.name)->value, p.value) << p.name;
+  }
+}
+
+TEST(ScriptFile, MatricesAreListsOfRowsOrOfNumbers) {
+  const std::string size = R"({"image_width": 640, "image_height": 480, )";
+  for (const char* k : {R"("camera_matrix": [[520, 0, 325], [0, 518, 236], [0, 0, 1]])",
+                        R"("mtx": [520, 0, 325, 0, 518, 236, 0, 0, 1])"}) {
+    for (const char* d : {R"("distortion_coefficients": [[-0.28, 0.09, 0.0005, -0.0007, 0]])",
+                          R"("dist": [-0.28, 0.09, 0.0005, -0.0007, 0])",
+                          R"("D": [[-0.28], [0.09], [0.0005], [-0.0007], [0]])"}) {
+      expect_is_the_sample(size + k + ", " + d + "}");
+    }
+  }
+  if (!CALVIN_HAVE_FORMATS) return;
+  expect_is_the_sample(
+      "image_width: 640\nimage_height: 480\ncamera_matrix:\n- [520, 0, 325]\n- [0, 518, 236]\n"
+      "- - 0\n  - 0\n  - 1\ndist_coeffs:\n- - -0.28\n  - 0.09\n  - 0.0005\n  - -0.0007\n  - 0\n");
+}
+
+TEST(ScriptFile, AnEmptyListIsNoDistortion) {
+  for (const char* none : {"[]", "[[]]"}) {
+    const auto read = parse_calibration(
+        std::string(R"({"K": [[520, 0, 325], [0, 518, 236], [0, 0, 1]], "D": )") + none + "}");
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->model, "pinhole");
+  }
+}
+
+TEST(ScriptFile, OtherShapesAreRefusedInPlainWords) {
+  const std::vector<std::pair<const char*, const char*>> table = {
+      {"5", "'K' is no matrix: write its rows"},
+      {"\"520 0 325\"", "'K' is no matrix: write its rows"},
+      {"[]", "'K' is not a matrix of 3x3: nine numbers"},
+      {"[[520, 0, 325], [0, 518, 236]]", "'K' is not a matrix of 3x3: nine numbers"},
+      {"[520, 0, 325, 0, 518, 236, 0, 0]", "'K' is not a matrix of 3x3: nine numbers"},
+      {"[[520, 0, 325], [0, 518], [0, 0, 1]]", "'K' has rows of 3 and of 2 numbers"},
+      {"[[[520]]]", "'K' is not a finite number"},
+      {"[[520, 0, \"a\"], [0, 518, 236], [0, 0, 1]]", "'K' is not a finite number"},
+      {"{\"fx\": 520}", "'K' is no matrix: write its rows"},
+      {"{\"rows\": 3, \"cols\": 3, \"data\": [1]}", "'K.data' has 1 numbers"},
+  };
+  for (const auto& [matrix, words] : table) {
+    expect_complaint(std::string(R"({"D": [0, 0, 0, 0], "K": )") + matrix + "}", words);
+  }
+}
+
+TEST(ScriptFile, APairIsReadInTheSameWay) {
+  const auto rig = parse_rig(R"({"image_width": 640, "image_height": 480,
+"M1": [[520, 0, 325], [0, 518, 236], [0, 0, 1]], "D1": [[-0.28, 0.09, 0.0005, -0.0007, 0]],
+"M2": [[521, 0, 326], [0, 519, 237], [0, 0, 1]], "D2": [[-0.28, 0.09, 0.0005, -0.0007, 0]],
+"R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "T": [[-0.1], [0], [0]]})");
+  ASSERT_TRUE(rig) << rig.error().message;
+  EXPECT_EQ(rig->cameras[1].calibration.find("cy")->value, 237);
+  EXPECT_NEAR(rig->cameras[1].rig_from_camera.translation[0], 0.1, 1e-15);
+}
+
+}  // namespace
+}  // namespace calvin
