@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Calibrations as scripts and tools leave them that know no format: arrays of NumPy as plain lists.
+// Calibrations as scripts and tools leave them that know no format: arrays of NumPy as plain lists,
+// messages of ROS.
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -89,6 +91,68 @@ TEST(ScriptFile, APairIsReadInTheSameWay) {
   ASSERT_TRUE(rig) << rig.error().message;
   EXPECT_EQ(rig->cameras[1].calibration.find("cy")->value, 237);
   EXPECT_NEAR(rig->cameras[1].rig_from_camera.translation[0], 0.1, 1e-15);
+}
+
+constexpr const char* kMessage = R"(header:
+  stamp:
+    sec: 1763700000
+    nanosec: 250000000
+  frame_id: camera_optical_frame
+height: 480
+width: 640
+distortion_model: plumb_bob
+d:
+- -0.28
+- 0.09
+- 0.0005
+- -0.0007
+- 0.0
+k:
+- 520.0
+- 0.0
+- 325.0
+- 0.0
+- 518.0
+- 236.0
+- 0.0
+- 0.0
+- 1.0
+r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+p: [480.0, 0.0, 326.0, 0.0, 0.0, 488.0, 235.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+binning_x: 0
+binning_y: 0
+roi:
+  x_offset: 0
+  y_offset: 0
+  height: 0
+  width: 0
+  do_rectify: false
+---
+)";
+
+std::string message(std::string_view change, std::string_view with) {
+  std::string text = kMessage;
+  const auto at = text.find(change);
+  EXPECT_NE(at, std::string::npos) << change;
+  return text.replace(at, change.size(), with);
+}
+
+// Of a topic that was listened to, one message or several.
+TEST(ScriptFile, AMessageOfRosIsACameraInfo) {
+  if (!CALVIN_HAVE_FORMATS) GTEST_SKIP() << "built without formats";
+  expect_is_the_sample(kMessage);
+  expect_is_the_sample(std::string(kMessage) + kMessage);
+  expect_is_the_sample(
+      "height: 480\nwidth: 640\ndistortion_model: \"plumb_bob\"\n"
+      "D: [-0.28, 0.09, 0.0005, -0.0007, 0.0]\n"
+      "K: [520.0, 0.0, 325.0, 0.0, 518.0, 236.0, 0.0, 0.0, 1.0]\n"
+      "R: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n");
+  expect_complaint(message("width: 640\n", ""), "'image_width' is missing");
+  expect_complaint(message("width: 640", "width: 0"), "'width' or 'height' is not positive");
+  expect_complaint(message("- 520.0\n", ""), "'k' is not a matrix of 3x3: nine numbers");
+  expect_complaint(message("plumb_bob", "equidistant"), "'d' are 5, but equidistant has 4");
+  // A driver without a calibration.
+  expect_complaint(message("plumb_bob", "''"), "'distortion_model' is ''");
 }
 
 }  // namespace
