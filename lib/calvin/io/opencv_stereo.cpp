@@ -18,6 +18,7 @@
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/opencv_lens.hpp"
 #include "calvin/io/opencv_storage.hpp"
 #include "calvin/io/rig_fields.hpp"
 #include "calvin/io/rig_formats.hpp"
@@ -70,12 +71,12 @@ Matrix disparity_to_depth(const RectifiedPair& pair) {
 }
 
 std::optional<RigCamera> read_stereo_camera(Fields& fields, const char* matrix,
-                                            const char* coefficients, ImageSize size) {
+                                            const char* coefficients, bool is_fisheye,
+                                            ImageSize size) {
   io::OpenCvCamera camera;
   camera.k = io::read_3x3(fields, matrix);
   camera.distortion = io::read_matrix(fields, coefficients).data;
-  const Node* fisheye = fields.find("fisheye_model");
-  camera.fisheye = fisheye != nullptr && fisheye->text != "0";
+  camera.fisheye = is_fisheye;
   if (fields.failed()) return std::nullopt;
   // What is wrong of a lens of no known size is wrong at any.
   const bool is_sized = size != ImageSize{};
@@ -190,8 +191,9 @@ Result<Rig> read_opencv_stereo(const Node& root) {
   if (fields.find("image_width") != nullptr || fields.find("image_height") != nullptr) {
     size = {fields.integer("image_width"), fields.integer("image_height")};
   }
-  auto left = read_stereo_camera(fields, "M1", "D1", size);
-  auto right = read_stereo_camera(fields, "M2", "D2", size);
+  const bool is_fisheye = read_fisheye(fields);
+  auto left = read_stereo_camera(fields, "M1", "D1", is_fisheye, size);
+  auto right = read_stereo_camera(fields, "M2", "D2", is_fisheye, size);
   const std::array<double, 9> r = read_3x3(fields, "R");
   const Matrix t = read_matrix(fields, "T");
   if (t.data.size() != 3) fields.complain("T", "has not three numbers");

@@ -14,14 +14,15 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/opencv_lens.hpp"
 
 namespace calvin::io {
 
 namespace {
 
 // There is no schema: these are the names that OpenCV's samples and tools, and the files found in
-// the wild, use. Compared without case and underscores, which vary most.
-using Names = std::vector<std::string_view>;
+// the wild, use.
+using Names = KeyNames;
 const Names kCameraMatrix = {"cameramatrix", "intrinsicmatrix", "k", "m1", "cameramatrix1", "mtx"};
 const Names kDistortion = {"distortioncoefficients",
                            "distcoeffs",
@@ -34,24 +35,15 @@ const Names kDistortion = {"distortioncoefficients",
 const Names kWidth = {"imagewidth", "imgwidth", "width"};
 const Names kHeight = {"imageheight", "imgheight", "height"};
 const Names kSize = {"cameraresolution", "imagesize", "resolution"};
-const Names kFisheye = {"fisheyemodel", "fisheye"};
 const Names kRms = {"avgreprojectionerror"};
 const Names kMatrixSigma = {"cameramatrixstddev"};
 const Names kDistortionSigma = {"distcoeffsstddev"};
-
-std::string plain(std::string_view key) {
-  std::string name;
-  for (const char c : key) {
-    if (c != '_') name += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return name;
-}
 
 // The key of the file that is one of `names`; empty where there is none.
 std::string find_key(const Node& map, const Names& names) {
   for (const std::string_view name : names) {
     for (const std::string& key : map.keys) {
-      if (plain(key) == name) return key;
+      if (plain_key(key) == name) return key;
     }
   }
   return {};
@@ -77,15 +69,6 @@ ImageSize read_size(Fields& fields, const Node& map) {
   if (size.width < 1) fields.complain(width, "is not a width in pixels");
   if (size.height < 1) fields.complain(height, "is not a height in pixels");
   return size;
-}
-
-bool read_fisheye(Fields& fields, const Node& map) {
-  const std::string key = find_key(map, kFisheye);
-  if (key.empty()) return false;
-  const std::string word = fields.word(key);
-  if (word == "1" || word == "true") return true;
-  if (word != "0" && word != "false") fields.complain(key, "is neither 0 nor 1");
-  return false;
 }
 
 // OpenCV writes 0 for what it did not estimate.
@@ -152,6 +135,19 @@ Matrix read_rows(Fields& fields, std::string_view key) {
 
 }  // namespace
 
+std::string plain_key(std::string_view key) {
+  std::string name;
+  for (const char c : key) {
+    if (c == '_' || c == '-' || c == ' ') continue;
+    name += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return name;
+}
+
+bool is_one_of(std::string_view key, const KeyNames& names) {
+  return std::find(names.begin(), names.end(), plain_key(key)) != names.end();
+}
+
 Matrix read_matrix(Fields& fields, std::string_view key) {
   const Node* node = fields.find(key);
   if (node != nullptr && node->kind == Node::Kind::kList) return read_rows(fields, key);
@@ -217,7 +213,7 @@ Result<Calibration> read_opencv(const Node& root) {
   OpenCvCamera camera;
   camera.k = read_3x3(fields, k_key);
   camera.distortion = read_matrix(fields, d_key).data;
-  camera.fisheye = read_fisheye(fields, map);
+  camera.fisheye = read_fisheye(fields);
   const ImageSize size = read_size(fields, map);
   if (problem) return tl::unexpected(*problem);
   auto calibration = from_opencv(camera, size);

@@ -10,6 +10,7 @@
 
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/opencv_lens.hpp"
 #include "calvin/io/opencv_storage.hpp"
 
 namespace calvin::io {
@@ -89,6 +90,8 @@ Result<Calibration> read_ros(const Node& root) {
   }
   const std::array<double, 9> k = read_3x3(fields, name_in(fields, kMatrix));
   const Matrix d = read_matrix(fields, coefficients);
+  // The lens is that of distortion_model; what else names it may not contradict.
+  const bool is_fisheye = read_fisheye(fields);
   if (problem) return tl::unexpected(*problem);
   if (size.width < 1 || size.height < 1) {
     return make_error(ErrorCode::kMalformed,
@@ -98,7 +101,7 @@ Result<Calibration> read_ros(const Node& root) {
     return make_error(ErrorCode::kMalformed, fmt::format("'{}' are {}, but {} has {}", coefficients,
                                                          d.data.size(), name, model->most));
   }
-  auto calibration = from_opencv({k, d.data, model->fisheye}, size);
+  auto calibration = from_opencv({k, d.data, is_fisheye}, size);
   if (calibration) calibration->camera = fields.word("camera_name");
   return calibration;
 }

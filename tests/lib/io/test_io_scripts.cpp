@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Calibrations as scripts and tools leave them that know no format: arrays of NumPy as plain lists,
-// messages of ROS.
+// messages of ROS, names of lenses.
 #include <string>
 #include <string_view>
 #include <utility>
@@ -91,6 +91,62 @@ TEST(ScriptFile, APairIsReadInTheSameWay) {
   ASSERT_TRUE(rig) << rig.error().message;
   EXPECT_EQ(rig->cameras[1].calibration.find("cy")->value, 237);
   EXPECT_NEAR(rig->cameras[1].rig_from_camera.translation[0], 0.1, 1e-15);
+}
+
+std::string four_coefficients(const std::string& more) {
+  return R"({"width": 640, "height": 480, "K": [[260, 0, 325], [0, 261, 236], [0, 0, 1]], )" +
+         more + R"(, "D": [[-0.02], [0.005], [-0.003], [0.0005]]})";
+}
+
+// Four coefficients of cv::fisheye look like those of brown4: only a word tells them apart.
+TEST(ScriptFile, TheLensIsTheOneThatIsNamed) {
+  const std::vector<std::pair<const char*, const char*>> table = {
+      {R"("camera_model": "fisheye")", "fisheye"},
+      {R"("model": "fisheye")", "fisheye"},
+      {R"("model": "Equidistant")", "fisheye"},
+      {R"("model_type": "KANNALA_BRANDT")", "fisheye"},
+      {R"("cameraModel": "KannalaBrandt8")", "fisheye"},
+      {R"("lens_model": "opencv-fisheye")", "fisheye"},
+      {R"("distortionModel": "equidistant", "camera_model": "pinhole")", "fisheye"},
+      {R"("distortion_model": "equidistant", "camera_model": "pinhole")", "fisheye"},
+      {R"("camera_model": "pinhole", "fisheye": 1)", "fisheye"},
+      {R"("camera_model": "fisheye", "fisheye": true)", "fisheye"},
+      {R"("model": "pinhole")", "brown4"},
+      {R"("model": "plumb_bob")", "brown4"},
+      {R"("model": "brown4")", "brown4"},
+      {R"("camera_model": "Brown-Conrady", "fisheye_model": 0)", "brown4"},
+      {R"("model": null)", "brown4"},
+      {R"("camera_name": "fisheye")", "brown4"},
+  };
+  for (const auto& [word, model] : table) {
+    const auto read = parse_calibration(four_coefficients(word));
+    ASSERT_TRUE(read) << word << read.error().message;
+    EXPECT_EQ(read->model, model) << word;
+  }
+}
+
+TEST(ScriptFile, ALensThatIsNotKnownIsRefusedWithTheKnownOnes) {
+  for (const char* word :
+       {R"("camera_model": "omnidirectional")", R"("model": "C920")", R"("model": 7)",
+        R"("distortion_model": "plumb_bob", "camera_model": "omni")"}) {
+    const std::string text = four_coefficients(word);
+    expect_complaint(text, "no lens of OpenCV's; read are fisheye, equidistant, kannala_brandt");
+    expect_complaint(text, "call it camera_name");
+  }
+  for (const char* words :
+       {R"("camera_model": "fisheye", "fisheye_model": 0)", R"("model": "radtan", "fisheye": 1)",
+        R"("distortion_model": "plumb_bob", "camera_model": "fisheye")"}) {
+    expect_complaint(four_coefficients(words), "contradicts");
+  }
+}
+
+TEST(ScriptFile, ThePairOfANamedLensIsOfIt) {
+  const auto rig = parse_rig(R"({"camera_model": "fisheye",
+"M1": [[260, 0, 325], [0, 261, 236], [0, 0, 1]], "D1": [-0.02, 0.005, -0.003, 0.0005],
+"M2": [[260, 0, 325], [0, 261, 236], [0, 0, 1]], "D2": [-0.02, 0.005, -0.003, 0.0005],
+"R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "T": [-0.1, 0, 0]})");
+  ASSERT_TRUE(rig) << rig.error().message;
+  for (const RigCamera& camera : rig->cameras) EXPECT_EQ(camera.calibration.model, "fisheye");
 }
 
 constexpr const char* kMessage = R"(header:
