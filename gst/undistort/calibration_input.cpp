@@ -5,6 +5,8 @@
 
 #include "undistort/calibration_input.hpp"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -37,7 +39,8 @@ Result<CalibrationEvent> parse_event(GstEvent* event) {
                                   "Whoever sends it must put the calibration there.",
                                   gst_structure_get_name(s), field));
   }
-  return CalibrationEvent{get_string(s, "camera"), get_string(s, field)};
+  const auto own = parse_calibration_event(event);
+  return CalibrationEvent{get_string(s, "camera"), get_string(s, field), own && own->undistorted};
 }
 
 // Why a setting of which rig_of() is nullptr rectifies nothing.
@@ -59,6 +62,7 @@ std::vector<Error> CalibrationInput::start() {
   from_event_.reset();
   from_rig_event_.reset();
   event_.reset();
+  comes_undistorted_ = false;
   frames_ = {};
   part_.reset();
   upright_ = {};
@@ -127,9 +131,17 @@ Status CalibrationInput::take_event(GstEvent* event) {
     if (!parsed->camera.empty()) calibration->camera = parsed->camera;
   }
   event_.reset(gst_event_ref(event));
+  comes_undistorted_ = parsed->undistorted;
   from_event_ = std::move(calibration);
   if (&in_force() == &from_event_) changed_ = new_ = true;
   return {};
+}
+
+// A second element that only turns the view has a pinhole, or a fisheye without coefficients.
+bool CalibrationInput::bends_twice() const {
+  if (!comes_undistorted_ || text_.empty() || !camera_) return false;
+  const auto parameters = std::span(camera_->parameters());
+  return std::ranges::any_of(parameters.subspan(4), [](double value) { return value != 0; });
 }
 
 Status CalibrationInput::take_rig_event(GstEvent* event) {

@@ -58,6 +58,10 @@ class CalibrationInput {
   [[nodiscard]] Status take_rig_event(GstEvent* event);
   // The last calibration event, as it came, or nullptr.
   [[nodiscard]] GstEvent* event() const { return event_.get(); }
+  // Whether it says that the frames are undistorted already.
+  [[nodiscard]] bool comes_undistorted() const { return comes_undistorted_; }
+  // Whether, in spite of that, the property has a lens for them that bends.
+  [[nodiscard]] bool bends_twice() const;
 
   // Takes in what is new, and returns what the user should hear of it, in order. Waits for no disk:
   // a file that is named or replaced meanwhile is taken in when it has been read.
@@ -94,6 +98,7 @@ class CalibrationInput {
   std::optional<CameraSetting> from_event_;
   std::optional<CameraSetting> from_rig_event_;
   EventPtr event_;
+  bool comes_undistorted_ = false;
 
   ImageSize frames_;
   std::optional<FramePart> part_;
