@@ -10,11 +10,13 @@
 namespace calvin::gst {
 
 GstEvent* new_calibration_event(const CalibrationEvent& calibration) {
-  return gst_event_new_custom(
-      GST_EVENT_CUSTOM_DOWNSTREAM_STICKY,
-      gst_structure_new(kCalibrationEvent, "camera", G_TYPE_STRING,
-                        displayed(calibration.camera).c_str(), "json", G_TYPE_STRING,
-                        displayed(calibration.json).c_str(), nullptr));
+  GstStructure* s = gst_structure_new(kCalibrationEvent, "camera", G_TYPE_STRING,
+                                      displayed(calibration.camera).c_str(), "json", G_TYPE_STRING,
+                                      displayed(calibration.json).c_str(), nullptr);
+  if (calibration.undistorted) {
+    gst_structure_set(s, "undistorted", G_TYPE_BOOLEAN, TRUE, nullptr);
+  }
+  return gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM_STICKY, s);
 }
 
 std::optional<CalibrationEvent> parse_calibration_event(GstEvent* event) {
@@ -23,7 +25,9 @@ std::optional<CalibrationEvent> parse_calibration_event(GstEvent* event) {
     return std::nullopt;
   }
   const GstStructure* s = gst_event_get_structure(event);
-  return CalibrationEvent{get_string(s, "camera"), get_string(s, "json")};
+  gboolean undistorted = FALSE;
+  gst_structure_get_boolean(s, "undistorted", &undistorted);
+  return CalibrationEvent{get_string(s, "camera"), get_string(s, "json"), undistorted != FALSE};
 }
 
 }  // namespace calvin::gst

@@ -144,7 +144,7 @@ Status CalibDetector::take_recheck(CalibrationReader::ReadResult read) {
     return make_error(read.error().code,
                       "The calibration to check against (recheck): " + read.error().message);
   }
-  auto* calibration = std::get_if<Calibration>(&*read);
+  auto* calibration = one_camera_of(*read);
   if (calibration == nullptr) {
     return make_error(ErrorCode::kInvalidArgument,
                       "The file to check against (recheck) is one of several cameras, or of a lens "

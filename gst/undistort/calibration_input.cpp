@@ -5,6 +5,8 @@
 
 #include "undistort/calibration_input.hpp"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -37,7 +39,20 @@ Result<CalibrationEvent> parse_event(GstEvent* event) {
                                   "Whoever sends it must put the calibration there.",
                                   gst_structure_get_name(s), field));
   }
-  return CalibrationEvent{get_string(s, "camera"), get_string(s, field)};
+  const auto own = parse_calibration_event(event);
+  return CalibrationEvent{get_string(s, "camera"), get_string(s, field), own && own->undistorted};
+}
+
+// Why a setting of which rig_of() is nullptr rectifies nothing.
+Error no_pair_in(const CameraSetting& setting) {
+  if (const auto* stereo = std::get_if<StereoFile>(&setting)) {
+    const Error& error = stereo->pair.error();
+    return {error.code, error.message + " Until then frames pass unchanged."};
+  }
+  return {ErrorCode::kInvalidArgument,
+          "The calibration is that of one camera, and rectification wants a pair: give the file "
+          "that calvin-rig or calibrig wrote, or set rectify=none. Until then frames pass "
+          "unchanged."};
 }
 
 }  // namespace
@@ -47,6 +62,7 @@ std::vector<Error> CalibrationInput::start() {
   from_event_.reset();
   from_rig_event_.reset();
   event_.reset();
+  comes_undistorted_ = false;
   frames_ = {};
   part_.reset();
   upright_ = {};
@@ -115,9 +131,17 @@ Status CalibrationInput::take_event(GstEvent* event) {
     if (!parsed->camera.empty()) calibration->camera = parsed->camera;
   }
   event_.reset(gst_event_ref(event));
+  comes_undistorted_ = parsed->undistorted;
   from_event_ = std::move(calibration);
   if (&in_force() == &from_event_) changed_ = new_ = true;
   return {};
+}
+
+// A second element that only turns the view has a pinhole, or a fisheye without coefficients.
+bool CalibrationInput::bends_twice() const {
+  if (!comes_undistorted_ || text_.empty() || !camera_) return false;
+  const auto parameters = std::span(camera_->parameters());
+  return std::ranges::any_of(parameters.subspan(4), [](double value) { return value != 0; });
 }
 
 Status CalibrationInput::take_rig_event(GstEvent* event) {
@@ -185,24 +209,25 @@ std::optional<CameraSetting>& CalibrationInput::in_force() {
 Calibration* CalibrationInput::known(std::vector<Error>& errors) {
   std::optional<CameraSetting>& source = in_force();
   if (!source) return nullptr;
-  auto* rig = std::get_if<Rig>(&*source);
-  if (!side_ && rig != nullptr) {
-    report({ErrorCode::kInvalidArgument,
-            "The calibration is a rig: say with rectify=left or rectify=right which of its cameras "
-            "the frames are of, or give the calibration of that camera alone. Until then they pass "
-            "unchanged."},
-           errors);
-    return nullptr;
-  }
-  const auto* table = std::get_if<ZoomTable>(&*source);
-  if (!side_ && table != nullptr) return where_it_stands(*table, errors);
-  if (!side_) return &std::get<Calibration>(*source);
+  return side_ ? camera_of_pair(*source, errors) : single_camera(*source, errors);
+}
+
+Calibration* CalibrationInput::single_camera(CameraSetting& source, std::vector<Error>& errors) {
+  if (Calibration* calibration = one_camera_of(source)) return calibration;
+  const auto* table = std::get_if<ZoomTable>(&source);
+  if (table != nullptr) return where_it_stands(*table, errors);
+  report({ErrorCode::kInvalidArgument,
+          "The calibration is a rig: say with rectify=left or rectify=right which of its cameras "
+          "the frames are of, or give the calibration of that camera alone. Until then they pass "
+          "unchanged."},
+         errors);
+  return nullptr;
+}
+
+Calibration* CalibrationInput::camera_of_pair(CameraSetting& source, std::vector<Error>& errors) {
+  Rig* rig = rig_of(source);
   if (rig == nullptr) {
-    report({ErrorCode::kInvalidArgument,
-            "The calibration is that of one camera, and rectification wants a pair: give the file "
-            "that calvin-rig or calibrig wrote, or set rectify=none. Until then frames pass "
-            "unchanged."},
-           errors);
+    report(no_pair_in(source), errors);
     return nullptr;
   }
   const auto own = camera_of_side(*rig, *side_);
@@ -256,7 +281,7 @@ Status CalibrationInput::set_camera(const FittedCamera& fitted) {
                         "Rectification takes whole frames as the camera gives them: put cropping "
                         "and turning behind this element. Until then frames pass unchanged.");
     }
-    auto sights = rectified_sights(std::get<Rig>(*in_force()), *side_, frames_);
+    auto sights = rectified_sights(*rig_of(*in_force()), *side_, frames_);
     if (!sights) return tl::unexpected(sights.error());
     const std::size_t own = *side_ == StereoSide::kLeft ? 0 : 1;
     rectification = std::make_shared<const Rectification>(Rectification{*std::move(sights), own});

@@ -58,6 +58,10 @@ class CalibrationInput {
   [[nodiscard]] Status take_rig_event(GstEvent* event);
   // The last calibration event, as it came, or nullptr.
   [[nodiscard]] GstEvent* event() const { return event_.get(); }
+  // Whether it says that the frames are undistorted already.
+  [[nodiscard]] bool comes_undistorted() const { return comes_undistorted_; }
+  // Whether, in spite of that, the property has a lens for them that bends.
+  [[nodiscard]] bool bends_twice() const;
 
   // Takes in what is new, and returns what the user should hear of it, in order. Waits for no disk:
   // a file that is named or replaced meanwhile is taken in when it has been read.
@@ -79,6 +83,8 @@ class CalibrationInput {
   void fit(std::vector<Error>& errors);
   [[nodiscard]] std::optional<CameraSetting>& in_force();
   [[nodiscard]] Calibration* known(std::vector<Error>& errors);
+  [[nodiscard]] Calibration* single_camera(CameraSetting& source, std::vector<Error>& errors);
+  [[nodiscard]] Calibration* camera_of_pair(CameraSetting& source, std::vector<Error>& errors);
   [[nodiscard]] Calibration* where_it_stands(const ZoomTable& table, std::vector<Error>& errors);
   void count_change();
   [[nodiscard]] Status set_camera(const FittedCamera& fitted);
@@ -92,6 +98,7 @@ class CalibrationInput {
   std::optional<CameraSetting> from_event_;
   std::optional<CameraSetting> from_rig_event_;
   EventPtr event_;
+  bool comes_undistorted_ = false;
 
   ImageSize frames_;
   std::optional<FramePart> part_;

@@ -54,6 +54,8 @@ class FrameUndistorter {
   // How the frames are moved; nullptr: not at all.
   [[nodiscard]] const std::shared_ptr<const Undistorter>& current() const { return current_; }
   [[nodiscard]] bool undistorts() const { return current_ && undistorts_; }
+  // Whether it does so the other way round: the frames that come out have the lens in them.
+  [[nodiscard]] bool distorts() const { return undistorts() && undistorter_.key.distort; }
   // What happens to the frames, in words for a log.
   [[nodiscard]] std::string describe() const;
   // The camera of the frames that come out, where `camera` is that of the ones that come in. Absent

@@ -14,10 +14,11 @@ namespace calvin::gst {
 
 namespace {
 
-EventPtr event_of(const Camera& camera, const std::string& name) {
+EventPtr event_of(const Camera& camera, const std::string& name, bool undistorted) {
   Calibration calibration = camera.to_calibration();
   calibration.camera = name;
-  return EventPtr(new_calibration_event({name, print_calibration(calibration).value_or("")}));
+  return EventPtr(
+      new_calibration_event({name, print_calibration(calibration).value_or(""), undistorted}));
 }
 
 }  // namespace
@@ -30,15 +31,18 @@ EventPtr OutputEvent::make(const FrameUndistorter& undistorter, const Calibratio
   if (undistorter.undistorts() || (scales && camera && (upstream != nullptr || own_))) {
     if (own_ && cause_ == cause) return nullptr;
     const auto output = undistorter.output_of(camera);
-    if (output) return event_of(*output, input.name());
+    const bool undistorted =
+        undistorter.undistorts() ? !undistorter.distorts() : input.comes_undistorted();
+    if (output) return event_of(*output, input.name(), undistorted);
     // The pixels have moved in a way that no calibration tells of.
-    if (undistorter.undistorts()) return EventPtr(new_calibration_event({}));
+    if (undistorter.undistorts()) return EventPtr(new_calibration_event({{}, {}, undistorted}));
   }
   if (upstream != nullptr) {
     return EventPtr(upstream == sent_.get() ? nullptr : gst_event_ref(upstream));
   }
   if (!own_ || cause_ == cause) return nullptr;
-  return camera && !scales ? event_of(*camera, input.name()) : EventPtr(new_calibration_event({}));
+  return camera && !scales ? event_of(*camera, input.name(), false)
+                           : EventPtr(new_calibration_event({}));
 }
 
 EventPtr OutputEvent::next(const FrameUndistorter& undistorter, const CalibrationInput& input) {

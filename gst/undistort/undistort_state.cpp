@@ -16,6 +16,7 @@ namespace calvin::gst {
 
 Status UndistortState::start() {
   output.reset();
+  second_time = false;
   tags.reset();
   Arrived stale;
   const std::string device = take_settings(stale).lens.device;
@@ -122,6 +123,18 @@ void UndistortState::set_passthrough(bool passthrough) {
   gst_base_transform_reconfigure_src(element);
 }
 
+void UndistortState::warn_of_second_time() {
+  if (second_time || !undistorter.undistorts() || undistorter.distorts()) return;
+  if (!input.bends_twice()) return;
+  second_time = true;
+  post_warning(
+      GST_ELEMENT(element),
+      {ErrorCode::kInvalidArgument,
+       "The frames are already undistorted by an element before this one, and its property "
+       "calibration undistorts them once more. Remove one of the two elements, or leave "
+       "the calibration of this one empty: it then knows what comes."});
+}
+
 void UndistortState::update() {
   renegotiated = false;
   Arrived arrived;
@@ -140,6 +153,7 @@ void UndistortState::update() {
       input, {now.enabled, view.view(), view.distort(), *live, view.sampling(), view.threads});
   errors.insert(errors.end(), more.begin(), more.end());
   for (const Error& error : errors) post_warning(GST_ELEMENT(element), error);
+  warn_of_second_time();
   if (serial != input.serial()) {
     GST_INFO_OBJECT(element, "%s calibration", input.camera() ? "takes a" : "has no");
   }

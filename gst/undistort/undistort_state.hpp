@@ -62,6 +62,7 @@ struct UndistortState : SharedSettings<UndistortSettings> {
   std::optional<bool> live;    // unknown: not asked since the last caps
   bool renegotiated = false;   // since the last update()
   bool frame_refused = false;  // and that was reported
+  bool second_time = false;    // the frames came undistorted, and that was reported
   OutputEvent output;
 
  private:
@@ -82,6 +83,8 @@ struct UndistortState : SharedSettings<UndistortSettings> {
   void set_output_calibration(const std::string& json);
   // The calibration is that of the frames with the lens in them.
   void fit_input();
+  // Says once that the frames are undistorted a second time.
+  void warn_of_second_time();
   // Tells the input where the lens stands, and returns what the user should hear of it.
   [[nodiscard]] std::vector<Error> follow_lens(const LensSettings& settings);
   void set_passthrough(bool passthrough);

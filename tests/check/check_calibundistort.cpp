@@ -82,6 +82,49 @@ GST_START_TEST(test_a_second_one_does_not_undo_twice) {
 }
 GST_END_TEST;
 
+// What is told where both have a calibration: of `b` alone, and where it undistorts a second time.
+static const struct {
+  const char* launch;
+  const char* second;  // the calibration of b; nullptr: the output-calibration of a
+  int warnings;
+} kChains[] = {
+    {"calibundistort name=a ! calibundistort name=b", kBarrel, 1},
+    {"calibundistort name=a projection=panini ! calibundistort name=b", kPincushion, 1},
+    // Something between that passes the event on, or makes one of its own.
+    {"calibundistort name=a ! calibundistort enabled=false ! calibundistort name=b", kBarrel, 1},
+    {"calibundistort name=a ! calibundistort ! calibundistort name=b", kBarrel, 1},
+    {"calibundistort name=a ! calibundistort name=b", "", 0},
+    {"calibundistort name=a ! calibundistort name=b pan=5", nullptr, 0},
+    {"calibundistort name=a ! calibundistort name=b enabled=false", kBarrel, 0},
+    {"calibundistort name=a alpha=1 ! calibundistort name=b alpha=1 direction=distort", kBarrel, 0},
+    {"calibundistort name=a enabled=false ! calibundistort name=b", kBarrel, 0},
+    {"calibundistort name=a direction=distort ! calibundistort name=b", kBarrel, 0},
+};
+
+GST_START_TEST(test_undistorting_twice_is_told_once) {
+  const auto& chain = kChains[__i__];
+  Fixture f(chain.launch);
+  g_autoptr(GstElement) a = gst_bin_get_by_name(GST_BIN(f.h->element), "a");
+  g_autoptr(GstElement) b = gst_bin_get_by_name(GST_BIN(f.h->element), "b");
+  g_object_set(a, "calibration", kBarrel, nullptr);
+  if (chain.second != nullptr) g_object_set(b, "calibration", chain.second, nullptr);
+  f.set_caps("GRAY8", kSize);
+  for (int n = 0; n < 3; ++n) {
+    gst_buffer_unref(f.push(kSize, n));
+    if (chain.second == nullptr) {
+      g_autofree gchar* shown = nullptr;
+      g_object_get(a, "output-calibration", &shown, nullptr);
+      g_object_set(b, "calibration", shown, nullptr);
+    }
+  }
+  const auto warnings = f.bus.texts(GST_MESSAGE_WARNING);
+  fail_unless_equals_int(static_cast<int>(warnings.size()), chain.warnings);
+  for (const std::string& warning : warnings) {
+    fail_unless(warning.find("already undistorted") != std::string::npos, "%s", warning.c_str());
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_the_event_of_cameracalibrate_is_understood) {
   static const char kSettings[] =
       "<?xml version=\"1.0\"?><opencv_storage><cameraMatrix type_id=\"opencv-matrix\">"
@@ -329,6 +372,8 @@ static Suite* calibundistort_suite() {
   tcase_add_test(tc, test_an_event_undistorts_and_goes_on_as_a_pinhole);
   tcase_add_test(tc, test_an_event_before_the_caps_waits_for_them);
   tcase_add_test(tc, test_a_second_one_does_not_undo_twice);
+  tcase_add_loop_test(tc, test_undistorting_twice_is_told_once, 0,
+                      static_cast<int>(std::size(kChains)));
   tcase_add_test(tc, test_the_event_of_cameracalibrate_is_understood);
   tcase_add_test(tc, test_the_property_beats_the_event);
   tcase_add_test(tc, test_both_names_of_a_property_are_notified);

@@ -4,7 +4,9 @@
 // calibundistort: frames of a stereo pair, rectified.
 
 #include <string>
+#include <utility>
 
+#include "calvin/core/file.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "common/rig_event.hpp"
@@ -126,6 +128,40 @@ GST_START_TEST(test_a_side_is_chosen_while_frames_flow) {
 }
 GST_END_TEST;
 
+// One file that is the pair, and the calibration of its first camera: rectify says which.
+static constexpr char kOpenCvPair[] = R"({"image_width": 640, "image_height": 480,
+"M1": {"rows": 3, "cols": 3, "data": [480, 0, 325, 0, 478, 236, 0, 0, 1]},
+"D1": {"rows": 1, "cols": 4, "data": [-0.28, 0.09, 0.0005, -0.0007]},
+"M2": {"rows": 3, "cols": 3, "data": [485, 0, 318, 0, 484, 242, 0, 0, 1]},
+"D2": {"rows": 1, "cols": 4, "data": [-0.27, 0.08, 0, 0]},
+"R": {"rows": 3, "cols": 3, "data": [1, 0, 0, 0, 1, 0, 0, 0, 1]},
+"T": {"rows": 3, "cols": 1, "data": [-0.1, 0.002, 0]}})";
+static constexpr char kBouguetPair[] =
+    "fc_left = [ 480 ; 478 ];\ncc_left = [ 325 ; 236 ];\n"
+    "kc_left = [ -0.28 ; 0.09 ; 0.0005 ; -0.0007 ];\n"
+    "fc_right = [ 485 ; 484 ];\ncc_right = [ 318 ; 242 ];\nkc_right = [ -0.27 ; 0.08 ; 0 ; 0 ];\n"
+    "om = [ 0 ; 0 ; 0 ];\nT = [ -100 ; 2 ; 0 ];\nnx = 640;\nny = 480;\n";
+
+GST_START_TEST(test_a_file_of_a_pair_is_also_one_of_its_first_camera) {
+  const char* text = __i__ == 0 ? kOpenCvPair : kBouguetPair;
+  const Rig rig = parse_rig(text).value();
+  const TemporaryFolder folder;
+  const std::string file = folder / "stereo";
+  fail_unless(write_file(file, text).has_value());
+  Fixture f(("calibundistort calibration=" + file).c_str());
+  f.set_caps("GRAY8", kSize);
+  g_autoptr(GstBuffer) plain = f.push(kSize);
+  fail_unless(gray_of(plain, kSize) == expected_gray(kBarrel, kSize));
+  for (const auto& [side, word] :
+       {std::pair(StereoSide::kLeft, "left"), std::pair(StereoSide::kRight, "right")}) {
+    gst_util_set_object_arg(G_OBJECT(f.element), "rectify", word);
+    g_autoptr(GstBuffer) out = f.push(kSize);
+    fail_unless(gray_of(out, kSize) == rectified_gray(rig, side), "%s", word);
+  }
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
 static Rig three() {
   Rig rig = pair();
   rig.cameras.push_back(rig.cameras.back());
@@ -169,6 +205,7 @@ static Suite* calibundistort_rectify_suite() {
   tcase_add_test(tc, test_both_sides_announce_the_same_pinhole);
   tcase_add_test(tc, test_the_event_goes_on_and_a_newer_one_counts);
   tcase_add_test(tc, test_a_side_is_chosen_while_frames_flow);
+  tcase_add_loop_test(tc, test_a_file_of_a_pair_is_also_one_of_its_first_camera, 0, 2);
   tcase_add_loop_test(tc, test_what_cannot_be_rectified_passes_with_a_warning, 0,
                       static_cast<int>(std::size(kRefusals)));
   suite_add_tcase(suite, tc);

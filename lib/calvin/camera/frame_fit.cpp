@@ -32,6 +32,23 @@ bool same_aspect(const Rectangle& part, ImageSize frame) {
          std::abs(frame.height / part.height * part.width - frame.width) <= 1;
 }
 
+Error other_aspect(const Calibration& calibration, const Rectangle& part, ImageSize frame) {
+  if (calibration.sensor_crop) {
+    const ImageSize whole = calibration.image_size;
+    return {
+        ErrorCode::kInvalidArgument,
+        fmt::format("The sensor_crop of the calibration is a part of {}x{} px of its picture of "
+                    "{}x{}, the frames are {}x{}: another aspect. Make sensor_crop the part of "
+                    "that picture that the frames show, or take it out where they show all.",
+                    part.width, part.height, whole.width, whole.height, frame.width, frame.height)};
+  }
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("The calibration is for a picture of {}x{} px, the frames are {}x{}: "
+                      "another aspect. Calibrate at that size, or say with sensor_crop which "
+                      "part of the calibrated image the frames show.",
+                      part.width, part.height, frame.width, frame.height)};
+}
+
 }  // namespace
 
 Result<FittedCamera> fit_to_frame(const Calibration& calibration, ImageSize frame,
@@ -44,12 +61,7 @@ Result<FittedCamera> fit_to_frame(const Calibration& calibration, ImageSize fram
   if (!part) return tl::unexpected(part.error());
   const bool turned = !same_aspect(*part, frame) && same_aspect(*part, upright.size_of(frame));
   if (!turned && !same_aspect(*part, frame)) {
-    return make_error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("The calibration is for a picture of {}x{} px, the frames are {}x{}: "
-                    "another aspect. Calibrate at that size, or say with sensor_crop which "
-                    "part of the calibrated image the frames show.",
-                    part->width, part->height, frame.width, frame.height));
+    return tl::unexpected(other_aspect(known, *part, frame));
   }
   const ImageSize calibrated = turned ? upright.size_of(frame) : frame;
   auto fitted = ImageTransform::filled(*part, calibrated)(*camera);

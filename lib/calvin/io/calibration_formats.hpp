@@ -61,7 +61,7 @@ inline constexpr int kNativeVersion = 1;
 [[nodiscard]] bool is_bouguet(const Node& root);
 [[nodiscard]] Result<Calibration> read_bouguet_camera(const Node& root);
 
-// The YAML of ROS's camera_info_manager and camera_calibration_parsers.
+// The YAML of ROS's camera_info_manager and camera_calibration_parsers, or a message CameraInfo.
 [[nodiscard]] bool is_ros(const Node& root);
 [[nodiscard]] Result<Calibration> read_ros(const Node& root);
 [[nodiscard]] Result<std::string> print_ros(const Calibration& calibration);

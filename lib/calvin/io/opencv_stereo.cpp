@@ -18,6 +18,7 @@
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/opencv_lens.hpp"
 #include "calvin/io/opencv_storage.hpp"
 #include "calvin/io/rig_fields.hpp"
 #include "calvin/io/rig_formats.hpp"
@@ -70,15 +71,13 @@ Matrix disparity_to_depth(const RectifiedPair& pair) {
 }
 
 std::optional<RigCamera> read_stereo_camera(Fields& fields, const char* matrix,
-                                            const char* coefficients, ImageSize size) {
+                                            const char* coefficients, bool is_fisheye,
+                                            ImageSize size) {
   io::OpenCvCamera camera;
-  const Matrix k = io::read_matrix(fields, matrix);
-  if (k.rows != 3 || k.cols != 3) fields.complain(matrix, "is not a matrix of 3x3");
+  camera.k = io::read_3x3(fields, matrix);
   camera.distortion = io::read_matrix(fields, coefficients).data;
-  const Node* fisheye = fields.find("fisheye_model");
-  camera.fisheye = fisheye != nullptr && fisheye->text != "0";
+  camera.fisheye = is_fisheye;
   if (fields.failed()) return std::nullopt;
-  std::copy(k.data.begin(), k.data.end(), camera.k.begin());
   // What is wrong of a lens of no known size is wrong at any.
   const bool is_sized = size != ImageSize{};
   auto calibration = io::camera_of(fields, matrix, camera, is_sized ? size : ImageSize{1, 1});
@@ -192,15 +191,15 @@ Result<Rig> read_opencv_stereo(const Node& root) {
   if (fields.find("image_width") != nullptr || fields.find("image_height") != nullptr) {
     size = {fields.integer("image_width"), fields.integer("image_height")};
   }
-  auto left = read_stereo_camera(fields, "M1", "D1", size);
-  auto right = read_stereo_camera(fields, "M2", "D2", size);
-  const Matrix r = read_matrix(fields, "R");
+  const bool is_fisheye = read_fisheye(fields);
+  auto left = read_stereo_camera(fields, "M1", "D1", is_fisheye, size);
+  auto right = read_stereo_camera(fields, "M2", "D2", is_fisheye, size);
+  const std::array<double, 9> r = read_3x3(fields, "R");
   const Matrix t = read_matrix(fields, "T");
-  if (r.data.size() != 9) fields.complain("R", "is not a matrix of 3x3");
   if (t.data.size() != 3) fields.complain("T", "has not three numbers");
   if (problem) return tl::unexpected(*problem);
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const SE3 right_from_left = {closest_rotation(Eigen::Map<const RowMajor>(r.data.data())),
+  const SE3 right_from_left = {closest_rotation(Eigen::Map<const RowMajor>(r.data())),
                                Eigen::Map<const Eigen::Vector3d>(t.data.data())};
   if (!(right_from_left.translation.cwiseAbs().maxCoeff() < 1e6)) {
     return make_error(ErrorCode::kMalformed, "'T' is out of range (1e6 m)");

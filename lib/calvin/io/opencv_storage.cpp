@@ -14,43 +14,36 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/opencv_lens.hpp"
 
 namespace calvin::io {
 
 namespace {
 
 // There is no schema: these are the names that OpenCV's samples and tools, and the files found in
-// the wild, use. Compared without case and underscores, which vary most.
-using Names = std::vector<std::string_view>;
-const Names kCameraMatrix = {"cameramatrix", "intrinsicmatrix", "k", "m1", "cameramatrix1"};
+// the wild, use.
+using Names = KeyNames;
+const Names kCameraMatrix = {"cameramatrix", "intrinsicmatrix", "k", "m1", "cameramatrix1", "mtx"};
 const Names kDistortion = {"distortioncoefficients",
                            "distcoeffs",
                            "distortioncoeffs",
                            "distortion",
                            "d",
                            "d1",
-                           "distcoeffs1"};
+                           "distcoeffs1",
+                           "dist"};
 const Names kWidth = {"imagewidth", "imgwidth", "width"};
 const Names kHeight = {"imageheight", "imgheight", "height"};
 const Names kSize = {"cameraresolution", "imagesize", "resolution"};
-const Names kFisheye = {"fisheyemodel", "fisheye"};
 const Names kRms = {"avgreprojectionerror"};
 const Names kMatrixSigma = {"cameramatrixstddev"};
 const Names kDistortionSigma = {"distcoeffsstddev"};
-
-std::string plain(std::string_view key) {
-  std::string name;
-  for (const char c : key) {
-    if (c != '_') name += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return name;
-}
 
 // The key of the file that is one of `names`; empty where there is none.
 std::string find_key(const Node& map, const Names& names) {
   for (const std::string_view name : names) {
     for (const std::string& key : map.keys) {
-      if (plain(key) == name) return key;
+      if (plain_key(key) == name) return key;
     }
   }
   return {};
@@ -76,15 +69,6 @@ ImageSize read_size(Fields& fields, const Node& map) {
   if (size.width < 1) fields.complain(width, "is not a width in pixels");
   if (size.height < 1) fields.complain(height, "is not a height in pixels");
   return size;
-}
-
-bool read_fisheye(Fields& fields, const Node& map) {
-  const std::string key = find_key(map, kFisheye);
-  if (key.empty()) return false;
-  const std::string word = fields.word(key);
-  if (word == "1" || word == "true") return true;
-  if (word != "0" && word != "false") fields.complain(key, "is neither 0 nor 1");
-  return false;
 }
 
 // OpenCV writes 0 for what it did not estimate.
@@ -125,9 +109,53 @@ bool is_empty_matrix(const Fields& matrix) {
          (data == nullptr || (data->items.empty() && data->text.empty()));
 }
 
+bool is_group_of_matrix(const Node& node) {
+  constexpr std::array<std::string_view, 3> kKeys = {"rows", "cols", "data"};
+  return std::any_of(kKeys.begin(), kKeys.end(),
+                     [&](std::string_view key) { return node.find(key) != nullptr; });
+}
+
+// A list of rows, as scripts write an array of NumPy; a plain list of numbers is one column.
+Matrix read_rows(Fields& fields, std::string_view key) {
+  const auto rows = fields.rows(key, 0);
+  Matrix matrix;
+  for (const auto& row : rows) {
+    if (row.size() != rows.front().size()) {
+      fields.complain(
+          key, fmt::format("has rows of {} and of {} numbers", rows.front().size(), row.size()));
+      return {};
+    }
+    matrix.data.insert(matrix.data.end(), row.begin(), row.end());
+  }
+  if (matrix.data.empty()) return {};
+  matrix.rows = static_cast<int>(rows.size());
+  matrix.cols = static_cast<int>(rows.front().size());
+  return matrix;
+}
+
 }  // namespace
 
+std::string plain_key(std::string_view key) {
+  std::string name;
+  for (const char c : key) {
+    if (c == '_' || c == '-' || c == ' ') continue;
+    name += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return name;
+}
+
+bool is_one_of(std::string_view key, const KeyNames& names) {
+  return std::find(names.begin(), names.end(), plain_key(key)) != names.end();
+}
+
 Matrix read_matrix(Fields& fields, std::string_view key) {
+  const Node* node = fields.find(key);
+  if (node != nullptr && node->kind == Node::Kind::kList) return read_rows(fields, key);
+  if (node != nullptr && !is_group_of_matrix(*node)) {
+    fields.complain(key,
+                    "is no matrix: write its rows, as [[1, 2], [3, 4]], or rows, cols and data");
+    return {};
+  }
   Fields matrix = fields.map(key);
   if (is_empty_matrix(matrix)) return {};
   const std::string dt = matrix.word("dt");
@@ -151,6 +179,18 @@ Matrix read_matrix(Fields& fields, std::string_view key) {
   return result;
 }
 
+std::array<double, 9> read_3x3(Fields& fields, std::string_view key) {
+  const Matrix matrix = read_matrix(fields, key);
+  std::array<double, 9> values{};
+  if (matrix.data.size() != values.size()) {
+    fields.complain(key,
+                    "is not a matrix of 3x3: nine numbers, by rows, or three rows of three each");
+    return values;
+  }
+  std::copy(matrix.data.begin(), matrix.data.end(), values.begin());
+  return values;
+}
+
 const Node& content_of(const Node& root) noexcept {
   const Node* storage = root.find("opencv_storage");
   return storage == nullptr ? root : *storage;
@@ -171,13 +211,11 @@ Result<Calibration> read_opencv(const Node& root) {
     return tl::unexpected(*problem);
   }
   OpenCvCamera camera;
-  const Matrix k = read_matrix(fields, k_key);
-  if (k.rows != 3 || k.cols != 3) fields.complain(k_key, "is not a matrix of 3x3");
+  camera.k = read_3x3(fields, k_key);
   camera.distortion = read_matrix(fields, d_key).data;
-  camera.fisheye = read_fisheye(fields, map);
+  camera.fisheye = read_fisheye(fields);
   const ImageSize size = read_size(fields, map);
   if (problem) return tl::unexpected(*problem);
-  std::copy(k.data.begin(), k.data.end(), camera.k.begin());
   auto calibration = from_opencv(camera, size);
   if (!calibration) return calibration;
   read_sigmas(fields, map, camera.fisheye, *calibration);

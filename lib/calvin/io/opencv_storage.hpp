@@ -4,6 +4,7 @@
 // What an OpenCV calibration file holds, whatever its syntax.
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,7 +38,17 @@ using Storage = std::vector<std::pair<std::string_view, StorageValue>>;
 [[nodiscard]] std::string format_real(double value);
 [[nodiscard]] std::string join_reals(const std::vector<double>& values, std::string_view separator);
 
-// rows, cols, data of a matrix field; only finite numbers, and as many as rows and cols say.
+// The names that a field goes by, as plain_key() gives them: without case, underscores, hyphens and
+// blanks, which vary most.
+using KeyNames = std::vector<std::string_view>;
+[[nodiscard]] std::string plain_key(std::string_view key);
+[[nodiscard]] bool is_one_of(std::string_view key, const KeyNames& names);
+
+// A matrix field: rows, cols and data, as many as those say, or a list of rows, or a plain list of
+// numbers, which is one column. Only finite numbers; none is an empty matrix.
 [[nodiscard]] Matrix read_matrix(Fields& fields, std::string_view key);
+
+// One of nine numbers, row-major.
+[[nodiscard]] std::array<double, 9> read_3x3(Fields& fields, std::string_view key);
 
 }  // namespace calvin::io

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -104,6 +105,23 @@ Result<const Writer*> find_writer(std::string_view format) {
                                 shortened(format, 64), join(rig_formats(), ", ")));
 }
 
+// Whether the content is a document that `claims` takes. Only one with any of the words is parsed
+// for this, which most files are not.
+bool is_document(std::string_view content, std::span<const std::string_view> words,
+                 bool (*claims)(const Node&)) noexcept {
+  const bool may_be =
+      content.size() <= kMaxRigBytes && std::ranges::any_of(words, [&](std::string_view word) {
+        return content.find(word) != std::string_view::npos;
+      });
+  if (!may_be) return false;
+  try {
+    const auto root = io::parse_text_document(content);
+    return root && claims(*root);
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 Status check_cameras(const Rig& rig) {
   for (const RigCamera& camera : rig.cameras) {
     if (const auto good = Camera::make(camera.calibration); !good) {
@@ -120,20 +138,18 @@ Result<Rig> parse_rig(std::string_view content, std::string_view name) {
 }
 
 bool is_rig(std::string_view content) noexcept {
-  // Most files need not be parsed for this.
-  const auto has = [&](std::string_view word) {
-    return content.find(word) != std::string_view::npos;
-  };
-  const bool may_be = content.size() <= kMaxRigBytes &&
-                      (has("calvin-rig") || has("T_cn_cnm1") || has("distortions"));
-  if (!may_be) return false;
-  try {
-    const auto root = io::parse_text_document(content);
-    return root &&
-           (io::is_native_rig(*root) || io::is_kalibr(*root) || io::is_caliscope_rig(*root));
-  } catch (const std::exception&) {
-    return false;
-  }
+  constexpr std::array<std::string_view, 3> kWords = {"calvin-rig", "T_cn_cnm1", "distortions"};
+  return is_document(content, kWords, [](const Node& root) {
+    return io::is_native_rig(root) || io::is_kalibr(root) || io::is_caliscope_rig(root);
+  });
+}
+
+bool is_stereo_file(std::string_view content) noexcept {
+  constexpr std::array<std::string_view, 2> kWords = {"M2", "fc_right"};
+  return is_document(content, kWords, [](const Node& root) {
+    return io::is_bouguet_stereo(root) || io::is_opencv_stereo(root) ||
+           io::is_half_of_opencv_stereo(root);
+  });
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {

@@ -28,8 +28,12 @@ inline constexpr std::size_t kMaxRigBytes = std::size_t{64} << 20;
                                                std::string_view name = "");
 
 // Whether the content says that it is a rig and no single camera, sound or not. OpenCV's stereo
-// parameters are the calibration of their first camera too, and do not count.
+// parameters and Bouguet's are the calibration of their first camera too, and do not count.
 [[nodiscard]] bool is_rig(std::string_view content) noexcept;
+
+// Whether the content is one of these: the lenses of a stereo pair in the names of OpenCV or of
+// Bouguet's toolbox, with or without the places of the cameras.
+[[nodiscard]] bool is_stereo_file(std::string_view content) noexcept;
 
 // Whether there is a folder of that name that has models of mrcal's, COLMAP's images.txt or
 // OpenCV's intrinsics.yml and extrinsics.yml.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// ROS camera_info as YAML: the names and the nesting of camera_calibration_parsers, exactly.
+// ROS camera_info as YAML: the names and the nesting of camera_calibration_parsers, exactly; and
+// read under those of the message sensor_msgs/CameraInfo too, as `ros2 topic echo` prints it.
 
 #include <algorithm>
 
@@ -9,6 +10,7 @@
 
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/opencv_lens.hpp"
 #include "calvin/io/opencv_storage.hpp"
 
 namespace calvin::io {
@@ -40,6 +42,22 @@ const Row* model_for(bool fisheye, std::size_t coefficients) {
   return it == kDistortionModels.end() ? nullptr : &*it;
 }
 
+// Of a field in the files of camera_calibration_parsers, in the message of ROS 2 and in that of
+// ROS 1.
+using FieldNames = std::array<std::string_view, 3>;
+constexpr FieldNames kWidth = {"image_width", "width", "width"};
+constexpr FieldNames kHeight = {"image_height", "height", "height"};
+constexpr FieldNames kMatrix = {"camera_matrix", "k", "K"};
+constexpr FieldNames kCoefficients = {"distortion_coefficients", "d", "D"};
+
+// The one that is there, or the first.
+std::string_view name_in(const Fields& fields, const FieldNames& names) {
+  const auto found = std::find_if(names.begin(), names.end(), [&](std::string_view name) {
+    return fields.find(name) != nullptr;
+  });
+  return found == names.end() ? names.front() : *found;
+}
+
 std::string print_matrix(std::string_view name, const Matrix& matrix) {
   return fmt::format("{}:\n  rows: {}\n  cols: {}\n  data: [{}]\n", name, matrix.rows, matrix.cols,
                      join_reals(matrix.data, ", "));
@@ -58,7 +76,10 @@ bool is_ros(const Node& root) { return root.find("distortion_model") != nullptr;
 Result<Calibration> read_ros(const Node& root) {
   std::optional<Error> problem;
   Fields fields(root, "", problem);
-  const ImageSize size = {fields.integer("image_width"), fields.integer("image_height")};
+  const std::string_view width = name_in(fields, kWidth);
+  const std::string_view height = name_in(fields, kHeight);
+  const std::string_view coefficients = name_in(fields, kCoefficients);
+  const ImageSize size = {fields.integer(width), fields.integer(height)};
   const std::string name = fields.word("distortion_model");
   const Row* model = find_model(name);
   if (model == nullptr) {
@@ -67,21 +88,20 @@ Result<Calibration> read_ros(const Node& root) {
                                 name.substr(0, 40)),
                     ErrorCode::kUnsupported);
   }
-  const Matrix k = read_matrix(fields, "camera_matrix");
-  if (k.data.size() != 9) fields.complain("camera_matrix", "is not a matrix of 3x3");
-  const Matrix d = read_matrix(fields, "distortion_coefficients");
+  const std::array<double, 9> k = read_3x3(fields, name_in(fields, kMatrix));
+  const Matrix d = read_matrix(fields, coefficients);
+  // The lens is that of distortion_model; what else names it may not contradict.
+  const bool is_fisheye = read_fisheye(fields);
   if (problem) return tl::unexpected(*problem);
   if (size.width < 1 || size.height < 1) {
-    return make_error(ErrorCode::kMalformed, "'image_width' or 'image_height' is not positive");
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("'{}' or '{}' is not positive", width, height));
   }
   if (d.data.size() > model->most) {
-    return make_error(ErrorCode::kMalformed,
-                      fmt::format("'distortion_coefficients' are {}, but {} has {}", d.data.size(),
-                                  name, model->most));
+    return make_error(ErrorCode::kMalformed, fmt::format("'{}' are {}, but {} has {}", coefficients,
+                                                         d.data.size(), name, model->most));
   }
-  OpenCvCamera camera{{}, d.data, model->fisheye};
-  std::copy(k.data.begin(), k.data.end(), camera.k.begin());
-  auto calibration = from_opencv(camera, size);
+  auto calibration = from_opencv({k, d.data, is_fisheye}, size);
   if (calibration) calibration->camera = fields.word("camera_name");
   return calibration;
 }

@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
@@ -39,6 +41,17 @@ Setting kind_of(std::string_view text) {
   return exists ? Setting::kFile : Setting::kKeyList;
 }
 
+// `read_pair` reads the cameras of a stereo pair, for which a second file may be needed.
+Result<CameraSetting> parse_content(std::string_view content, std::string_view name,
+                                    const std::function<Result<Rig>()>& read_pair) {
+  if (is_rig(content)) return parse_rig(content, name);
+  if (is_zoom_table(content)) return parse_zoom_table(content, name);
+  auto calibration = parse_calibration(content, name);
+  if (!calibration) return tl::unexpected(calibration.error());
+  if (!is_stereo_file(content)) return *std::move(calibration);
+  return StereoFile{*std::move(calibration), read_pair()};
+}
+
 }  // namespace
 
 bool is_calibration_path(std::string_view text) { return kind_of(text) == Setting::kFile; }
@@ -63,19 +76,33 @@ Result<Calibration> parse_calibration_setting(std::string_view text) {
 }
 
 Result<CameraSetting> parse_camera_setting(std::string_view text) {
-  const Setting kind = kind_of(text);
-  if (kind == Setting::kText && is_rig(text)) return parse_rig(text);
-  if (kind == Setting::kText && is_zoom_table(text)) return parse_zoom_table(text);
-  if (kind == Setting::kFile) {
-    const std::filesystem::path path(text);
-    if (is_rig_folder(path)) return read_rig(path);
-    // Either of OpenCV's two files, or both; the one with the lenses is a calibration by itself.
-    if (files_of_rig(path).size() == 2 && !read_calibration(path)) return read_rig(path);
-    const auto content = read_file(path.string(), std::max(kMaxRigBytes, kMaxZoomBytes));
-    if (content && is_rig(*content)) return parse_rig(*content, path.string());
-    if (content && is_zoom_table(*content)) return parse_zoom_table(*content, path.string());
+  switch (kind_of(text)) {
+    case Setting::kText:
+      return parse_content(text, "", [&] { return parse_rig(text); });
+    case Setting::kKeyList:
+      return parse_key_list(text);
+    case Setting::kFile:
+      break;
   }
-  return parse_calibration_setting(text);
+  const std::filesystem::path path(text);
+  if (is_rig_folder(path)) return read_rig(path);
+  // Either of OpenCV's two files, or both; the one with the lenses is a calibration by itself.
+  if (files_of_rig(path).size() == 2 && !read_calibration(path)) return read_rig(path);
+  const auto content = read_file(path.string(), std::max(kMaxRigBytes, kMaxZoomBytes));
+  // Whoever reads a calibration says best why it cannot be read.
+  if (!content) return read_calibration(path);
+  return parse_content(*content, path.string(), [&] { return read_rig(path); });
+}
+
+Calibration* one_camera_of(CameraSetting& setting) noexcept {
+  if (auto* stereo = std::get_if<StereoFile>(&setting)) return &stereo->first;
+  return std::get_if<Calibration>(&setting);
+}
+
+Rig* rig_of(CameraSetting& setting) noexcept {
+  auto* stereo = std::get_if<StereoFile>(&setting);
+  if (stereo == nullptr) return std::get_if<Rig>(&setting);
+  return stereo->pair ? &*stereo->pair : nullptr;
 }
 
 }  // namespace calvin

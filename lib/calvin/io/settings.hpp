@@ -20,10 +20,21 @@ namespace calvin {
 // the caller may wait for it. Other errors as of parse_calibration() and read_calibration().
 [[nodiscard]] Result<Calibration> parse_calibration_setting(std::string_view text);
 
+// A file of a stereo pair that programs of one camera read as well: OpenCV's M1 D1 M2 D2 and the
+// Calib_Results_stereo of Bouguet's toolbox.
+struct StereoFile {
+  Calibration first;  // for whoever has one camera
+  Result<Rig> pair;   // an Error where it does not say, or not well, how the cameras stand
+};
+
 // The same, for an element that knows what to do with the cameras of a rig and with the settings of
 // a zoom table: their JSON or their file. Other errors as of parse_rig() and parse_zoom_table().
-using CameraSetting = std::variant<Calibration, Rig, ZoomTable>;
+using CameraSetting = std::variant<Calibration, Rig, ZoomTable, StereoFile>;
 [[nodiscard]] Result<CameraSetting> parse_camera_setting(std::string_view text);
+
+// What the setting has for whoever has one camera, and for whoever has a pair; else nullptr.
+[[nodiscard]] Calibration* one_camera_of(CameraSetting& setting) noexcept;
+[[nodiscard]] Rig* rig_of(CameraSetting& setting) noexcept;
 
 // Whether the text is (or will be) the path of a file, rather than a calibration in itself: then it
 // may be worth looking again for a newer one.

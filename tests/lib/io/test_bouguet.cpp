@@ -9,10 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/core/file.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
+#include "calvin/io/settings.hpp"
 #include "io_samples.hpp"
+#include "temporary_folder.hpp"
 
 namespace calvin {
 namespace {
@@ -89,8 +92,8 @@ TEST(Bouguet, SaysWhatIsWrong) {
   }
 }
 
-// om and T take points of the left camera to the right one, T in mm.
-TEST(Bouguet, PlacesAPair) {
+// Both cameras of a pair, without om or R.
+std::string pair_without_turn() {
   std::string text;
   for (const char* side : {"_left", "_right"}) {
     for (const char* line :
@@ -101,9 +104,15 @@ TEST(Bouguet, PlacesAPair) {
       text += one + "\n";
     }
   }
-  text += "nx = 640; ny = 480;\nT = [ -99.85 ; 0.8 ; 0.4 ];\n";
-  const std::string turned = "om = [ 0.007 ; 0.004 ; -0.0035 ];\n";
-  const auto rig = parse_rig(text + turned);
+  return text + "nx = 640; ny = 480;\nT = [ -99.85 ; 0.8 ; 0.4 ];\n";
+}
+
+constexpr const char* kTurned = "om = [ 0.007 ; 0.004 ; -0.0035 ];\n";
+
+// om and T take points of the left camera to the right one, T in mm.
+TEST(Bouguet, PlacesAPair) {
+  const std::string text = pair_without_turn();
+  const auto rig = parse_rig(text + kTurned);
   ASSERT_TRUE(rig) << rig.error().message;
   ASSERT_EQ(rig->cameras.size(), 2u);
   EXPECT_EQ(rig->world, "left");
@@ -117,9 +126,28 @@ TEST(Bouguet, PlacesAPair) {
   const auto by_matrix = parse_rig(text + "R = [ 0 1 0 ; -1 0 0 ; 0 0 1 ]';\n");
   ASSERT_TRUE(by_matrix) << by_matrix.error().message;
   EXPECT_NEAR(to_se3(by_matrix->cameras[1].rig_from_camera).rotation(0, 1), 1, 1e-12);
-  EXPECT_EQ(parse_calibration(text + turned)->find("fx")->value, 533);
+  EXPECT_EQ(parse_calibration(text + kTurned)->find("fx")->value, 533);
   EXPECT_FALSE(parse_rig(text + "R = [ 1 0 0 ; 0 1 0 ; 0 0 3 ];\n"));
   EXPECT_FALSE(parse_rig(text));
+}
+
+// The property `calibration` of an element: a pair to rectify, or the left camera.
+TEST(Bouguet, IsAPairAndItsLeftCameraInASetting) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path("Calib_Results_stereo.m");
+  ASSERT_TRUE(write_file(file, pair_without_turn() + kTurned));
+  auto setting = parse_camera_setting(file);
+  ASSERT_TRUE(setting) << setting.error().message;
+  ASSERT_NE(rig_of(*setting), nullptr);
+  EXPECT_EQ(print_rig(*rig_of(*setting)).value(), print_rig(read_rig(file).value()).value());
+  ASSERT_NE(one_camera_of(*setting), nullptr);
+  EXPECT_EQ(one_camera_of(*setting)->find("fx")->value, 533);
+  // A turn that is none: the left camera is sound.
+  ASSERT_TRUE(write_file(file, pair_without_turn() + "R = [ 1 0 0 ; 0 1 0 ; 0 0 3 ];\n"));
+  setting = parse_camera_setting(file);
+  ASSERT_TRUE(setting) << setting.error().message;
+  EXPECT_NE(one_camera_of(*setting), nullptr);
+  EXPECT_EQ(rig_of(*setting), nullptr);
 }
 
 }  // namespace

@@ -121,17 +121,50 @@ TEST_F(OpenCvStereo, FilesOfAnyNamesAreNamedBoth) {
   EXPECT_TRUE(std::holds_alternative<Rig>(*setting));
 }
 
-// The first file is a calibration too, as before; the other one is none.
-TEST_F(OpenCvStereo, SettingsTakeTheRigWhereThereIsNoCalibration) {
+// The first file is a calibration too; the other one is none.
+TEST_F(OpenCvStereo, SettingsTakeTheRigAndTheFirstCameraWhereThereIsOne) {
   write_intrinsics(folder.path("intrinsics.yml"));
   write_extrinsics(folder.path("extrinsics.yml"), kTurn, kShift);
   const auto places = parse_camera_setting(folder.path("extrinsics.yml"));
   ASSERT_TRUE(places.has_value()) << places.error().message;
   EXPECT_TRUE(std::holds_alternative<Rig>(*places));
-  const auto lens = parse_camera_setting(folder.path("intrinsics.yml"));
+  auto lens = parse_camera_setting(folder.path("intrinsics.yml"));
   ASSERT_TRUE(lens.has_value()) << lens.error().message;
-  ASSERT_TRUE(std::holds_alternative<Calibration>(*lens));
-  EXPECT_EQ(std::get<Calibration>(*lens).find("cx")->value, 342);
+  ASSERT_NE(one_camera_of(*lens), nullptr);
+  EXPECT_EQ(one_camera_of(*lens)->find("cx")->value, 342);
+  ASSERT_NE(rig_of(*lens), nullptr);
+  expect_is_the_pair(*rig_of(*lens), "beside the other one");
+}
+
+// As calvin-rig writes it: the pair for whoever rectifies, the first camera for whoever does not.
+TEST_F(OpenCvStereo, SettingsTakeOneFileAsAPairAndAsItsFirstCamera) {
+  write_intrinsics(folder.path("intrinsics.json"));
+  write_extrinsics(folder.path("extrinsics.json"), kTurn, kShift);
+  Rig rig = read_rig(folder.path("intrinsics.json")).value();
+  for (RigCamera& camera : rig.cameras) camera.calibration.image_size = {640, 480};
+  const std::string file = folder.path("stereo.yml");
+  ASSERT_TRUE(write_rig_export({"opencv", file}, rig).has_value());
+  const std::string content = read_file(file, kMaxRigBytes).value();
+  for (const std::string& text : {file, content}) {
+    auto setting = parse_camera_setting(text);
+    ASSERT_TRUE(setting.has_value()) << setting.error().message;
+    ASSERT_NE(rig_of(*setting), nullptr) << text;
+    EXPECT_EQ(print_rig(*rig_of(*setting)).value(), print_rig(read_rig(file).value()).value());
+    ASSERT_NE(one_camera_of(*setting), nullptr) << text;
+    EXPECT_EQ(one_camera_of(*setting)->find("cx")->value, 342);
+  }
+}
+
+// Who has one camera needs no more than its lens; who has two is told what the file lacks.
+TEST_F(OpenCvStereo, SettingsSayWhyAFileIsNoPair) {
+  write_intrinsics(folder.path("intrinsics.yml"));
+  auto setting = parse_camera_setting(folder.path("intrinsics.yml"));
+  ASSERT_TRUE(setting.has_value()) << setting.error().message;
+  EXPECT_NE(one_camera_of(*setting), nullptr);
+  EXPECT_EQ(rig_of(*setting), nullptr);
+  ASSERT_TRUE(std::holds_alternative<StereoFile>(*setting));
+  const std::string message = std::get<StereoFile>(*setting).pair.error().message;
+  EXPECT_NE(message.find("extrinsics.yml"), std::string::npos) << message;
 }
 
 TEST_F(OpenCvStereo, AHalfAloneSaysWhatIsMissing) {

@@ -297,7 +297,11 @@ TEST(FitToFrame, ScalesCropsAndRefuses) {
   const Pixel d = cropped.camera.project(point).value();
   EXPECT_NEAR(d.u + 0.5, 2 * (a.u + 0.5), 1e-9);
   EXPECT_NEAR(d.v + 0.5, 2 * (a.v + 0.5 - 60), 1e-9);
-  EXPECT_FALSE(fit_to_frame(calibration, {640, 480}).has_value());
+  const auto whole = fit_to_frame(calibration, {640, 480});
+  ASSERT_FALSE(whole.has_value());
+  EXPECT_NE(whole.error().message.find("sensor_crop of the calibration is a part of 640x360 px"),
+            std::string::npos)
+      << whole.error().message;
   calibration.sensor_crop = Rectangle{0, 0, 0, 360};
   EXPECT_FALSE(fit_to_frame(calibration, {640, 480}).has_value());
 
