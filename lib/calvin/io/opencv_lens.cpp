@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
 #include "calvin/io/opencv_camera.hpp"
@@ -26,6 +27,7 @@ namespace {
 const KeyNames kFlags = {"fisheyemodel", "fisheye"};
 const KeyNames kModels = {"cameramodel", "model",           "modeltype",
                           "lensmodel",   "distortionmodel", "projectionmodel"};
+const KeyNames kDevices = {"cameramodel", "model"};  // "C920" as often as a lens
 
 // Names of other programs for the lenses of OpenCV, besides our own (opencv_lens()).
 enum class Family { kFisheye, kBrown, kEither };
@@ -63,6 +65,15 @@ std::optional<Family> family_of(std::string_view word) {
   return own->opencv == OpenCvForm::kFisheye ? Family::kFisheye : Family::kBrown;
 }
 
+// Whether a word names a lens that OpenCV's numbers are not of.
+bool is_other_lens(std::string_view word) {
+  static constexpr std::string_view kOthers[] = {
+      "omni", "omnidirectional", "mei", "unified", "cahvor", "splined", "stereographic"};
+  const std::string plain = plain_key(word);
+  const auto is_it = [&](std::string_view name) { return plain_key(name) == plain; };
+  return std::ranges::any_of(kOthers, is_it) || std::ranges::any_of(model_names(), is_it);
+}
+
 std::optional<bool> read_flag(Fields& fields, const std::string& key) {
   const std::string word = fields.word(key);
   if (word == "1" || word == "true") return true;
@@ -77,14 +88,13 @@ std::optional<bool> read_name(Fields& fields, const std::string& key) {
   if (family) {
     return *family == Family::kEither ? std::nullopt : std::optional(*family == Family::kFisheye);
   }
+  if (is_one_of(key, kDevices) && !is_other_lens(word)) return std::nullopt;
   std::vector<std::string_view> names;
   for (const Name& name : kNames) names.push_back(name.name);
-  fields.complain(
-      key,
-      fmt::format("is '{}', which is no lens of OpenCV's; read are {}. Where it names a "
-                  "device, call it camera_name",
-                  shortened(word, 40), join(names, ", ")),
-      ErrorCode::kUnsupported);
+  fields.complain(key,
+                  fmt::format("is '{}', which is no lens of OpenCV's; read are {}",
+                              shortened(word, 40), join(names, ", ")),
+                  ErrorCode::kUnsupported);
   return std::nullopt;
 }
 
