@@ -9,14 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/io/camera_baselines.hpp"
-#include "calvin/io/camera_places.hpp"
-#include "calvin/io/rig_world.hpp"
 #include "calvin/io/settings.hpp"
-#include "calvin/rig/solve_light.hpp"
-#include "calvin/session/rig/rig_exports.hpp"
 #include "rig/rig_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
@@ -24,44 +18,10 @@ GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
 
 namespace calvin::gst {
 
-namespace {
-
-// What is to be known of a solve by a light.
-Result<LightOptions> light_options(const RigSettings& settings,
-                                   const std::vector<CameraBaseline>& baselines) {
-  LightOptions options;
-  options.model = settings.model;
-  options.center_sigma = settings.center_sigma;
-  options.wand_sigma = settings.wand_sigma;
-  options.fix.clear();
-  for (const std::string_view name : split(settings.fix, ',')) {
-    if (!trim(name).empty() && trim(name) != "none") options.fix.emplace_back(trim(name));
-  }
-  if (const Status good = check(options); !good) return tl::unexpected(good.error());
-  // Places of two cameras give the unit alone.
-  if (settings.places.empty() && baselines.size() == 1 && !baselines.front().a.empty()) {
-    set_known_distance(baselines.front(), options);
-  }
-  if (settings.places.empty()) return options;
-  auto places = read_camera_places(settings.places);
-  if (!places) return tl::unexpected(places.error());
-  options.places = *std::move(places);
-  return options;
-}
-
-}  // namespace
-
 Status RigSolver::start() {
   const RigSettings now = settings();
-  if (Status possible = check_settings(now); !possible) return possible;
-  const auto exports = parse_rig_exports(now.exports);
-  if (!exports) return tl::unexpected(exports.error());
-  auto baselines = parse_camera_baselines(now.baseline);
-  if (!baselines) return tl::unexpected(baselines.error());
-  auto light = light_options(now, *baselines);
-  if (!light) return tl::unexpected(light.error());
-  auto world = parse_rig_world(now.world);
-  if (!world) return tl::unexpected(world.error());
+  auto session = session_settings(now);
+  if (!session) return tl::unexpected(session.error());
   if (!now.location.empty()) {
     if (const Status writable = can_write(now.location); !writable) {
       post_warning(element_, writable.error());
@@ -69,18 +29,7 @@ Status RigSolver::start() {
   }
   {
     const std::lock_guard guard(lock_);
-    RigSessionSettings session;
-    session.board = now.board;
-    session.options.mode = now.mode == kRigFloor ? RigMode::kFloor : RigMode::kJoint;
-    session.options.tolerance = now.tolerance;
-    session.options.baselines = *std::move(baselines);
-    session.options.board_sigma = now.board_sigma;
-    session.options.fixed_boards = now.fixed_boards;
-    session.options.intrinsics = now.intrinsics;
-    session.options.world = *std::move(world);
-    session.method = now.method;
-    session.light = *std::move(light);
-    session_.start(std::move(session));
+    session_.start(*std::move(session));
     json_.clear();
     solution_.reset();
     is_final_ = false;

@@ -14,42 +14,15 @@
 
 #include <gst/gst.h>
 
-#include "calvin/core/text.hpp"
-#include "calvin/rig/light_camera.hpp"
 #include "calvin/session/rig/rig_file.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 #include "common/messages.hpp"
 #include "common/properties.hpp"
 #include "common/shared_settings.hpp"
 #include "common/worker.hpp"
+#include "rig/rig_settings.hpp"
 
 namespace calvin::gst {
-
-enum RigModeChoice { kRigFloor, kRigJoint, kRigStereo };
-
-struct RigSettings {
-  std::string board;
-  RigModeChoice mode = kRigJoint;
-  RigMethod method = RigMethod::kAuto;
-  std::string location;
-  std::string exports;  // "FORMAT:PATH,...", as parse_rig_exports() takes it
-  guint64 tolerance = 10 * GST_MSECOND;
-  std::string baseline;  // known distances, as parse_camera_baselines() takes them
-  std::string world;     // the frame, as parse_rig_world() takes it
-  double board_sigma = RigOptions().board_sigma;
-  bool fixed_boards = false;
-  RigIntrinsics intrinsics = RigIntrinsics::kHeld;
-  // Before a light:
-  std::string places;  // a file
-  std::string model = LightOptions().model;
-  std::string fix = join(LightOptions().fix, ",");
-  double center_sigma = LightOptions().center_sigma;
-  double wand_sigma = LightOptions().wand_sigma;  // m
-};
-
-// An error for settings that contradict each other, whatever the cameras will see:
-// rig_solver_jobs.cpp.
-[[nodiscard]] Status check_settings(const RigSettings& now);
 
 // What a pad is told of its camera.
 struct RigCameraSettings {

@@ -97,10 +97,27 @@ TEST(RigSession, TakesTheViewBeforeThatWasNotNew) {
 TEST(RigSession, CountsOnlyTheBoardThatWasAskedFor) {
   Sessions s;
   RigSessionSettings settings;
-  settings.board = "puzzle:14x9:20mm";
+  settings.boards = {parse_board("puzzle:14x9:20mm").value()};
   s.session.start(settings);
+  s.session.set_name(0, "cam0");
+  s.session.set_name(1, "cam1");
   EXPECT_FALSE(s.offer(0, kPlace, 0));
   EXPECT_TRUE(s.session.progress().cameras.empty());
+  // Who held up another one hears which.
+  const std::string why = s.session.lack().message;
+  EXPECT_NE(why.find(s.rig.board.text()), std::string::npos) << why;
+  EXPECT_NE(why.find("puzzle:14x9:20mm"), std::string::npos) << why;
+}
+
+TEST(RigSession, CountsABoardHoweverItIsSpelled) {
+  Sessions s;
+  RigSessionSettings settings;
+  settings.boards = {parse_board("puzzle:14x9:20mm").value(), s.rig.board};
+  s.session.start(settings);
+  Observation seen = s.seen(0, kPlace, 0).value();
+  ASSERT_EQ(seen.board, "checkerboard:9x6:25mm");
+  seen.board = "checkerboard:9x6:2.5cm";
+  EXPECT_TRUE(s.session.offer(0, seen).value());
 }
 
 TEST(RigSession, RefusesWhatIsNoView) {

@@ -23,6 +23,7 @@
 #include "calvin/session/points/known_points.hpp"
 #include "calvin/session/points/manual_points.hpp"
 #include "calvin/session/rig/recent_instants.hpp"
+#include "calvin/target/board.hpp"
 
 namespace calvin {
 
@@ -34,7 +35,7 @@ enum class RigMethod {
 
 struct RigSessionSettings {
   RigOptions options;
-  std::string board = {};  // only this one counts; empty: every board
+  std::vector<Board> boards = {};  // only these count; empty: every board
   RigMethod method = RigMethod::kAuto;
   LightOptions light = {};  // kSvoboda
 };
@@ -166,6 +167,7 @@ class RigSession {
     std::optional<ImageSize> size;              // of its pictures, once it has seen a board
     std::shared_ptr<const Calibration> fitted;  // to that size; nullptr: they do not fit
     bool has_seen = false;                      // a board
+    std::string seen_other;                     // the text of the last board that does not count
     std::deque<SharedView> recent;              // of the last moment, not kept
     std::vector<SharedView> kept;
     std::optional<Movement> movement;
@@ -190,7 +192,9 @@ class RigSession {
   };
 
   Camera& at(std::size_t camera);
-  [[nodiscard]] Result<View> to_view(const Observation& observation);
+  [[nodiscard]] Result<Board> board_of(const Observation& observation);
+  [[nodiscard]] bool counts(const Board& board) const;
+  [[nodiscard]] static Result<View> to_view(const Observation& observation, const Board& board);
   void improve_last(std::size_t number, const Observation& now);
   // Whether views of that kind count.
   [[nodiscard]] bool takes(const View& view);

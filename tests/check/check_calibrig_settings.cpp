@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibrig makes of its settings and of its pads.
+
+#include <string>
+
+#include "calvin/io/board_names.hpp"
+#include "calvin/io/rig_io.hpp"
+#include "rig_fixture.hpp"
+
+#include <gst/check/gstcheck.h>
+
+using namespace calvin;
+
+using check::RigFixture;
+
+// Equal boards are the same however they are spelled, as they are for calibdetect.
+GST_START_TEST(test_a_board_counts_in_any_spelling) {
+  RigFixture f(rig_views::stereo());
+  const std::string names = f.folder / "boards.json";
+  const std::string shown = f.cameras[0].observations[0].board;
+  fail_unless(add_board(names, "desk", shown).has_value());
+  const std::string spellings[] = {names + "#desk", "checkerboard:9x6:2.5cm",
+                                   "charuco:5x7:100mm:70mm:DICT_5X5_100;" + shown, "auto"};
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "board", spellings[__i__].c_str(), nullptr);
+  f.start();
+  f.push_all();
+  f.end_all();
+  fail_unless(f.final_result() != nullptr);
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
+// Who asked for another board than the one that is shown hears which one was seen.
+GST_START_TEST(test_another_board_is_named) {
+  RigFixture f(rig_views::stereo());
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "board", "checkerboard:9x6:30mm", nullptr);
+  f.start();
+  f.push_all();
+  f.end_all();
+  fail_unless(f.final_result() == nullptr);
+  const auto texts = f.bus.texts(GST_MESSAGE_WARNING);
+  fail_unless_equals_int(texts.size(), 1);
+  const char* const words =
+      "'cam0' has seen checkerboard:9x6:25mm, and board= says "
+      "checkerboard:9x6:30mm";
+  fail_unless(texts[0].find(words) != std::string::npos, "%s", texts[0].c_str());
+}
+GST_END_TEST;
+
+// As calibdetect refuses them.
+GST_START_TEST(test_a_text_that_is_no_board_is_an_error_at_the_start) {
+  const char* const texts[] = {"foo", "auto:25parsec", "/nowhere/boards.json#desk"};
+  RigFixture f(rig_views::stereo());
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "board", texts[__i__], nullptr);
+  fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_PAUSED),
+                         GST_STATE_CHANGE_FAILURE);
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_ERROR).size(), 1);
+}
+GST_END_TEST;
+
+static Suite* calibrig_settings_suite(void) {
+  Suite* s = suite_create("calibrig_settings");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(s, tc);
+  tcase_set_timeout(tc, 120);
+  tcase_add_loop_test(tc, test_a_board_counts_in_any_spelling, 0, 4);
+  tcase_add_test(tc, test_another_board_is_named);
+  tcase_add_loop_test(tc, test_a_text_that_is_no_board_is_an_error_at_the_start, 0, 3);
+  return s;
+}
+
+GST_CHECK_MAIN(calibrig_settings);
