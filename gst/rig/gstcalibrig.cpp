@@ -23,7 +23,6 @@
 #include <cstdio>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gst/gst.h>
@@ -182,10 +181,19 @@ static void gst_calib_rig_finish(GstCalibRig* self, GstEvent* eos) {
   gst_element_post_message(GST_ELEMENT(self), message);
 }
 
+// The settings of a pad as they are now, which are those of its camera until the next start.
+static gst::RigCameraSettings gst_calib_rig_take_settings(GstPad* pad) {
+  gst::RigCameraSettings settings = gst::settings_of(pad);
+  gst::RigPadStream& stream = gst::stream_of(pad);
+  stream.is_known = true;
+  stream.has_own_intrinsics = !settings.intrinsics.empty();
+  return settings;
+}
+
 // A camera whose pad came while the others run: its settings are there by its first frame.
 static void gst_calib_rig_introduce(GstCalibRig* self, GstPad* pad) {
-  if (std::exchange(gst::stream_of(pad).is_known, true)) return;
-  self->solver->add_camera_later(gst::camera_of(pad), gst::settings_of(pad));
+  if (gst::stream_of(pad).is_known) return;
+  self->solver->add_camera_later(gst::camera_of(pad), gst_calib_rig_take_settings(pad));
 }
 
 static void gst_calib_rig_set_format(GstCalibRig* self, GstPad* pad, GstEvent* event) {
@@ -235,7 +243,7 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
       break;
     case GST_EVENT_CUSTOM_DOWNSTREAM_STICKY:
       if (const auto calibration = gst::parse_calibration_event(event)) {
-        if (gst::settings_of(pad).intrinsics.empty()) {
+        if (!stream.has_own_intrinsics) {
           self->solver->set_intrinsics(gst::camera_of(pad), calibration->json);
         }
       }
@@ -320,8 +328,8 @@ static bool gst_calib_rig_start(GstCalibRig* self) {
   for (GstPad* pad : gst_calib_rig_sink_pads(self)) {
     gst_calib_rig_runs_on(self, pad);
     gst_segment_init(&gst::stream_of(pad).segment, GST_FORMAT_TIME);
-    if (started) started = self->solver->add_camera(gst::camera_of(pad), gst::settings_of(pad));
-    gst::stream_of(pad).is_known = true;
+    const gst::RigCameraSettings settings = gst_calib_rig_take_settings(pad);
+    if (started) started = self->solver->add_camera(gst::camera_of(pad), settings);
     gst_object_unref(pad);
   }
   if (!started) gst::post_error(GST_ELEMENT(self), started.error());

@@ -34,6 +34,8 @@ struct RigPadStream {
   guint64 rig_number = 0;  // of the rig that went downstream last
   bool at_end = false;     // under the object lock of the element
   bool is_known = false;   // the solver was told of the camera since it started
+  bool has_own_intrinsics =
+      false;  // by the property, as it was then: those of upstream do not count
   FramePoints points;
 };
 [[nodiscard]] RigPadStream& stream_of(GstPad* pad);

@@ -29,6 +29,7 @@ Status RigSolver::start() {
   }
   {
     const std::lock_guard guard(lock_);
+    in_use_ = now;
     session_.start(*std::move(session));
     json_.clear();
     solution_.reset();
@@ -184,6 +185,15 @@ bool RigSolver::reinsert(const std::string& camera) {
   return true;
 }
 
+bool RigSolver::reinsert(std::size_t camera) {
+  std::string name;
+  {
+    const std::lock_guard guard(lock_);
+    name = session_.name(camera);
+  }
+  return reinsert(name);
+}
+
 void RigSolver::finish() {
   if (!reader_.drain() || !watcher_.drain() || !worker_.drain()) return;
   solve_if_due(true);
@@ -194,7 +204,7 @@ void RigSolver::finish() {
   bool files_wanted = false;
   {
     const std::lock_guard guard(lock_);
-    files_wanted = !settings_.location.empty() || !settings_.exports.empty();
+    files_wanted = !in_use_.location.empty() || !in_use_.exports.empty();
     has_rig = solution_ != nullptr;
     error = solve_error_;
     if (!error && !is_final_) error = session_.lack();
@@ -227,7 +237,7 @@ void RigSolver::keep_last(const Error& error) {
   post_warning(element_,
                {error.code, fmt::format("The last solve failed, and the rig before it stays: {}",
                                         error.message)});
-  post_message(element_, rig_result_message(times, *solution, settings().location, json.c_str()));
+  post_message(element_, rig_result_message(times, *solution, in_use().location, json.c_str()));
 }
 
 std::optional<std::string> RigSolver::take_rig(guint64& known) {

@@ -75,6 +75,7 @@ class RigSolver : public SharedSettings<RigSettings> {
   // Any thread: a camera that has moved stands where it does now. A WARNING, and false, where there
   // is no camera of that name.
   bool reinsert(const std::string& camera);
+  bool reinsert(std::size_t camera);
 
   // Manual points: rig_solver_points.cpp. Any thread: one waits for a frame of its camera.
   void add_point(std::size_t camera, const PointChoice& choice);
@@ -99,6 +100,10 @@ class RigSolver : public SharedSettings<RigSettings> {
   [[nodiscard]] std::optional<std::string> take_rig(guint64& known);
 
  private:
+  [[nodiscard]] RigSettings in_use() {
+    const std::lock_guard guard(lock_);
+    return in_use_;
+  }
   void read_intrinsics(const std::stop_token& stop);
   void post_point(std::size_t camera, const FrameTimes& times, const PointAnswer& answer);
   void post_points_report(std::size_t camera);
@@ -120,6 +125,7 @@ class RigSolver : public SharedSettings<RigSettings> {
   GstElement* element_;
 
   // Under lock_.
+  RigSettings in_use_;  // since the start: what is set later is for the next one
   RigSession session_;
   FrameTimes times_;
   std::string json_;

@@ -59,7 +59,7 @@ Status check_mode(const RigJob& job, RigModeChoice mode) {
 
 Result<RigSolution> RigSolver::solve(const RigJob& job, const std::vector<RigCameraViews>& views,
                                      const std::stop_token& stop) {
-  if (const Status possible = check_mode(job, settings().mode); !possible) {
+  if (const Status possible = check_mode(job, in_use().mode); !possible) {
     return tl::unexpected(possible.error());
   }
   auto solution = job.light ? solve_light_rig(job, stop) : solve_rig(views, job.options, stop);
@@ -100,7 +100,7 @@ void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
 
 // All that can be; the first error.
 Status RigSolver::write_files(const Rig& rig) {
-  const RigSettings now = settings();
+  const RigSettings now = in_use();
   Status all = now.location.empty() ? Status() : file_.write(now.location, rig);
   const auto exports = parse_rig_exports(now.exports);
   for (const RigExport& to : exports.value_or(std::vector<RigExport>())) {
@@ -114,7 +114,7 @@ void RigSolver::publish(const RigJob& job, std::shared_ptr<const RigSolution> so
                         const std::stop_token& stop) {
   const auto json = print_rig(solution->rig);
   if (!json) return;
-  const std::string location = settings().location;
+  const std::string location = in_use().location;
   const Status written = write_files(solution->rig);
   FrameTimes times;
   bool first_failure = false;

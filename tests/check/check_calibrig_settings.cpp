@@ -6,7 +6,9 @@
 #include <string>
 
 #include "calvin/io/board_names.hpp"
+#include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
+#include "common/calibration_event.hpp"
 #include "rig_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -63,6 +65,56 @@ GST_START_TEST(test_a_text_that_is_no_board_is_an_error_at_the_start) {
 }
 GST_END_TEST;
 
+// What is set while the element runs is for the next start, as the warning says: also what is asked
+// for at the end of a session alone.
+GST_START_TEST(test_settings_stay_while_the_element_runs) {
+  RigFixture f(rig_views::ring());
+  const std::string before = f.folder / "before.json";
+  const std::string later = f.folder / "later.json";
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "location", before.c_str(), nullptr);
+  f.start();
+  gst_util_set_object_arg(G_OBJECT(f.element), "mode", "stereo");
+  g_object_set(f.element, "location", later.c_str(), "export", "mrcal:/nowhere/models", nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_1::camera", "left", nullptr);
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 3);
+  // Without a name it is the camera of the pad, which is called what it was called at the start.
+  gst_harness_push_upstream_event(
+      f.harnesses[1],
+      gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM, gst_structure_new_empty("calvin-reinsert")));
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  fail_unless_equals_string(gst_structure_get_string(result, "location"), before.c_str());
+  fail_unless(read_rig(before).has_value());
+  fail_if(g_file_test(later.c_str(), G_FILE_TEST_EXISTS));
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 3);
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  // It is what the application reads, and what the next start takes.
+  g_autofree char* location = nullptr;
+  g_object_get(f.element, "location", &location, nullptr);
+  fail_unless_equals_string(location, later.c_str());
+}
+GST_END_TEST;
+
+// Intrinsics that a pad is given while it runs are for the next start; till then those that come
+// from upstream count.
+GST_START_TEST(test_intrinsics_of_a_pad_stay_while_it_runs) {
+  RigFixture f(rig_views::stereo(), false);
+  f.start();
+  for (std::size_t c = 0; c < f.cameras.size(); ++c) {
+    const std::string property = "sink_" + std::to_string(c) + "::intrinsics";
+    gst_child_proxy_set(GST_CHILD_PROXY(f.element), property.c_str(), "/nowhere/cam.json", nullptr);
+    const auto json = print_calibration(f.cameras[c].calibration);
+    gst_harness_push_event(f.harnesses[c], gst::new_calibration_event({"x", *json}));
+  }
+  f.push_all();
+  f.end_all();
+  fail_unless(f.final_result() != nullptr);
+}
+GST_END_TEST;
+
 static Suite* calibrig_settings_suite(void) {
   Suite* s = suite_create("calibrig_settings");
   TCase* tc = tcase_create("general");
@@ -71,6 +123,8 @@ static Suite* calibrig_settings_suite(void) {
   tcase_add_loop_test(tc, test_a_board_counts_in_any_spelling, 0, 4);
   tcase_add_test(tc, test_another_board_is_named);
   tcase_add_loop_test(tc, test_a_text_that_is_no_board_is_an_error_at_the_start, 0, 3);
+  tcase_add_test(tc, test_settings_stay_while_the_element_runs);
+  tcase_add_test(tc, test_intrinsics_of_a_pad_stay_while_it_runs);
   return s;
 }
 
