@@ -323,9 +323,19 @@ static void gst_calib_rig_release_pad(GstElement* element, GstPad* pad) {
 
 // ---- Element ------------------------------------------------------------------------------------
 
+static gst::RigNames gst_calib_rig_names(const std::vector<GstPad*>& pads) {
+  gst::RigNames names;
+  for (GstPad* pad : pads) {
+    names.pads.push_back(gst::settings_of(pad).name);
+    names.cameras.push_back(names.pads.back());
+  }
+  return names;
+}
+
 static bool gst_calib_rig_start(GstCalibRig* self) {
-  Status started = self->solver->start();
-  for (GstPad* pad : gst_calib_rig_sink_pads(self)) {
+  const std::vector<GstPad*> pads = gst_calib_rig_sink_pads(self);
+  Status started = self->solver->start(gst_calib_rig_names(pads));
+  for (GstPad* pad : pads) {
     gst_calib_rig_runs_on(self, pad);
     gst_segment_init(&gst::stream_of(pad).segment, GST_FORMAT_TIME);
     const gst::RigCameraSettings settings = gst_calib_rig_take_settings(pad);

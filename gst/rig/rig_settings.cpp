@@ -6,14 +6,20 @@
 #include "rig/rig_settings.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "calvin/core/utf8.hpp"
 #include "calvin/detect/board_identifier.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/camera_baselines.hpp"
 #include "calvin/io/camera_places.hpp"
 #include "calvin/io/rig_world.hpp"
+#include "calvin/rig/joint/board_scale.hpp"
+#include "calvin/rig/result/rig_frame.hpp"
 #include "calvin/rig/solve_light.hpp"
 #include "calvin/session/rig/rig_exports.hpp"
 #include "calvin/target/kinds.hpp"
@@ -63,6 +69,16 @@ bool expects_light(const RigSessionSettings& session) {
   return !session.boards.empty() && std::ranges::all_of(session.boards, is_light);
 }
 
+// Of known distances those with names, or without.
+Status check_distances(std::vector<CameraBaseline> baselines, bool with_names,
+                       const std::vector<std::string>& cameras) {
+  std::erase_if(baselines, [with_names](const CameraBaseline& one) {
+    return (one.a.empty() && one.b.empty()) == with_names;
+  });
+  const auto known = rig::known_distances(baselines, cameras);
+  return known ? Status() : tl::unexpected<Error>(known.error());
+}
+
 Status check_settings(const RigSessionSettings& session) {
   if (expects_light(session)) return check_light(session.options, session.light);
   if (session.options.mode != RigMode::kFloor ||
@@ -99,6 +115,34 @@ Status check_light(const RigOptions& options, const LightOptions& light) {
         "more is known take places.");
   }
   return {};
+}
+
+Status check_cameras(RigModeChoice mode, const RigOptions& options,
+                     const std::vector<std::string>& names) {
+  std::set<std::string> known;
+  for (const std::string& name : names) {
+    if (known.insert(name).second) continue;
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("Two cameras of the rig are called '{}': give each a name of its "
+                                  "own, as sink_1::camera=right.",
+                                  shortened(name, 64)));
+  }
+  if (names.size() <= 2) return {};
+  if (mode == kRigStereo) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("A stereo rig has two cameras, and {} are linked: take "
+                                  "mode=joint.",
+                                  names.size()));
+  }
+  return check_distances(options.baselines, false, names);
+}
+
+Status check_named(const RigOptions& options, const std::vector<std::string>& pads) {
+  if (pads.size() < 2) return {};
+  if (options.world) {
+    if (Status known = rig::check_world(*options.world, pads); !known) return known;
+  }
+  return check_distances(options.baselines, true, pads);
 }
 
 Result<RigSessionSettings> session_settings(const RigSettings& now) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <gst/gst.h>
 
@@ -39,6 +40,18 @@ struct RigSettings {
 // What the session is to know. An error for settings that cannot be read, and for those that
 // contradict each other.
 [[nodiscard]] Result<RigSessionSettings> session_settings(const RigSettings& now);
+
+// The names of the cameras that are there, and of pads that may yet become cameras as well.
+struct RigNames {
+  std::vector<std::string> cameras;
+  std::vector<std::string> pads;
+};
+// An error where no rig comes of these cameras.
+[[nodiscard]] Status check_cameras(RigModeChoice mode, const RigOptions& options,
+                                   const std::vector<std::string>& names);
+// An error where the settings name a camera that none of the pads is; one pad alone says nothing of
+// those that come.
+[[nodiscard]] Status check_named(const RigOptions& options, const std::vector<std::string>& pads);
 
 // An error for settings by which no rig comes of a light.
 [[nodiscard]] Status check_light(const RigOptions& options, const LightOptions& light);

@@ -18,10 +18,14 @@ GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
 
 namespace calvin::gst {
 
-Status RigSolver::start() {
+Status RigSolver::start(const RigNames& names) {
   const RigSettings now = settings();
   auto session = session_settings(now);
   if (!session) return tl::unexpected(session.error());
+  for (Status possible : {check_cameras(now.mode, session->options, names.cameras),
+                          check_named(session->options, names.pads)}) {
+    if (!possible) return possible;
+  }
   if (!now.location.empty()) {
     if (const Status writable = can_write(now.location); !writable) {
       post_warning(element_, writable.error());
@@ -82,11 +86,22 @@ Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settin
 }
 
 void RigSolver::add_camera_later(std::size_t camera, const RigCameraSettings& settings) {
+  Status possible;
   {
     const std::lock_guard guard(lock_);
-    session_.set_name(camera, settings.name);
-    if (settings.intrinsics.empty() && settings.points.empty()) return;
-    unread_.emplace_back(camera, settings);
+    std::vector<std::string> names = session_.names();
+    names.push_back(settings.name);
+    possible = check_cameras(in_use_.mode, session_.options(), names);
+    if (possible) session_.set_name(camera, settings.name);
+    if (possible && settings.intrinsics.empty() && settings.points.empty()) return;
+    if (possible) unread_.emplace_back(camera, settings);
+  }
+  if (!possible) {
+    post_warning(element_,
+                 {possible.error().code,
+                  fmt::format("The camera of the pad sink_{}, which came later, is left out. {}",
+                              camera, possible.error().message)});
+    return;
   }
   reader_.offer([this](const std::stop_token& stop) { read_intrinsics(stop); });
 }

@@ -35,8 +35,8 @@ class RigSolver : public SharedSettings<RigSettings> {
  public:
   explicit RigSolver(GstElement* element) : element_(element) {}
 
-  // An error for settings that cannot work.
-  [[nodiscard]] Status start();
+  // An error for settings that cannot work, or not with these cameras.
+  [[nodiscard]] Status start(const RigNames& names);
   // Any thread: whoever waits for a solve goes on without it.
   void cancel() {
     worker_.cancel();
@@ -60,7 +60,7 @@ class RigSolver : public SharedSettings<RigSettings> {
   // Before there are frames. An error for intrinsics that cannot be read.
   [[nodiscard]] Status add_camera(std::size_t camera, const RigCameraSettings& settings);
   // While the others run: the file is read beside the stream, and a WARNING says where it cannot
-  // be.
+  // be. One with which no rig would come of the others is left out, and a WARNING says why.
   void add_camera_later(std::size_t camera, const RigCameraSettings& settings);
   void remove_camera(std::size_t camera);
   // Streaming threads, each for its own camera.

@@ -4,7 +4,6 @@
 // What calibrig does beside the streams: solves, publishes what comes of it, and watches whether
 // the cameras stay where they are.
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -34,34 +33,13 @@ void log_rejected(GstElement* element, const RigSolution& solution,
   }
 }
 
-// What is known only now that boards or a light were seen.
-Status check_mode(const RigJob& job, RigModeChoice mode) {
-  const std::size_t linked = job.cameras.size() + job.left_out.size();
-  if (mode == kRigStereo && linked != 2) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("A stereo rig has two cameras, and {} are linked: take "
-                                  "mode=joint.",
-                                  linked));
-  }
-  const bool has_names = std::ranges::none_of(job.options.baselines, [](const CameraBaseline& one) {
-    return one.a.empty() && one.b.empty();
-  });
-  if (!has_names && linked != 2) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("A known distance without names is that of two cameras, and {} "
-                                  "are linked: name two, as baseline=cam0:cam1:110mm.",
-                                  linked));
-  }
-  return job.light ? check_light(job.options, *job.light) : Status();
-}
-
 }  // namespace
 
 Result<RigSolution> RigSolver::solve(const RigJob& job, const std::vector<RigCameraViews>& views,
                                      const std::stop_token& stop) {
-  if (const Status possible = check_mode(job, in_use().mode); !possible) {
-    return tl::unexpected(possible.error());
-  }
+  // That it is a light may be known only now.
+  const Status possible = job.light ? check_light(job.options, *job.light) : Status();
+  if (!possible) return tl::unexpected(possible.error());
   auto solution = job.light ? solve_light_rig(job, stop) : solve_rig(views, job.options, stop);
   if (!solution) return solution;
   if (!job.light) log_rejected(element_, *solution, views);

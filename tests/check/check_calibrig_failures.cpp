@@ -70,6 +70,8 @@ GST_START_TEST(test_settings_that_contradict_each_other_are_an_error) {
       {{{"board", "dot"}, {"estimate-intrinsics", "prior"}}, "estimate-intrinsics=no"},
       {{{"board", "wand:150mm+350mm"}, {"estimate-intrinsics", "free"}}, "estimate-intrinsics=no"},
       {{{"board", "dot"}, {"mode", "floor"}}, "no floor"},
+      {{{"board", "dot"}, {"world", "cam0"}}, "places give the frame"},
+      {{{"board", "dot"}, {"baseline", "110mm"}}, "with the names of its cameras"},
       {{{"board", "dot"}, {"method", "boards"}, {"estimate-intrinsics", "free"}}, nullptr},
       {{{"board", "checkerboard:9x6:25mm"}, {"estimate-intrinsics", "free"}}, nullptr},
       {{{"mode", "floor"}}, nullptr}};

@@ -4,6 +4,7 @@
 // What calibrig makes of its settings and of its pads.
 
 #include <string>
+#include <vector>
 
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
@@ -16,6 +17,7 @@
 using namespace calvin;
 
 using check::RigFixture;
+using rig_views::SeenByCamera;
 
 // Equal boards are the same however they are spelled, as they are for calibdetect.
 GST_START_TEST(test_a_board_counts_in_any_spelling) {
@@ -62,6 +64,75 @@ GST_START_TEST(test_a_text_that_is_no_board_is_an_error_at_the_start) {
   fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_PAUSED),
                          GST_STATE_CHANGE_FAILURE);
   fail_unless_equals_int(f.bus.texts(GST_MESSAGE_ERROR).size(), 1);
+}
+GST_END_TEST;
+
+// What is wrong with the cameras that are linked is said before a session is lost by it.
+GST_START_TEST(test_what_no_rig_comes_of_is_an_error_at_the_start) {
+  struct Case {
+    std::vector<SeenByCamera> (*cameras)();
+    const char* property;  // of the element, or of a pad
+    const char* value;
+    const char* word;  // of the error; nullptr: none
+  };
+  const Case cases[] = {
+      {rig_views::stereo, "sink_1::camera", "cam0", "are called 'cam0'"},
+      {rig_views::stereo, "sink_1::camera", "left", nullptr},
+      {rig_views::stereo, "world", "foo", "'foo', which is none of its cameras"},
+      {rig_views::stereo, "world", "cam1", nullptr},
+      {rig_views::stereo, "world", "board:x180", nullptr},
+      {rig_views::ring, "mode", "stereo", "has two cameras, and 4 are linked"},
+      {rig_views::stereo, "mode", "stereo", nullptr},
+      {rig_views::ring, "baseline", "110mm", "name two of them"},
+      {rig_views::stereo, "baseline", "110mm", nullptr},
+      {rig_views::ring, "baseline", "cam0:foo:110mm", "between 'cam0' and 'foo'"},
+      {rig_views::ring, "baseline", "cam0:cam3:110mm", nullptr},
+  };
+  for (const Case& c : cases) {
+    RigFixture f(c.cameras());
+    gst_element_set_state(f.element, GST_STATE_NULL);
+    if (std::string(c.property).find("::") == std::string::npos) {
+      gst_util_set_object_arg(G_OBJECT(f.element), c.property, c.value);
+    } else {
+      gst_child_proxy_set(GST_CHILD_PROXY(f.element), c.property, c.value, nullptr);
+    }
+    const auto changed = gst_element_set_state(f.element, GST_STATE_PAUSED);
+    fail_unless((changed == GST_STATE_CHANGE_FAILURE) == (c.word != nullptr), "%s", c.value);
+    const auto texts = f.bus.texts(GST_MESSAGE_ERROR);
+    fail_unless_equals_int(texts.size(), c.word != nullptr ? 1 : 0);
+    if (c.word == nullptr) continue;
+    fail_unless(texts[0].find(c.word) != std::string::npos, "%s", texts[0].c_str());
+  }
+}
+GST_END_TEST;
+
+// A camera that comes later and with which no rig would come of the others costs them nothing: it
+// is left out, which is said when it comes. Its frames pass.
+GST_START_TEST(test_a_camera_that_does_not_go_with_the_others_is_left_out) {
+  const bool is_stereo = __i__ > 0;
+  RigFixture f(rig_views::stereo());
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  if (is_stereo) gst_util_set_object_arg(G_OBJECT(f.element), "mode", "stereo");
+  f.start();
+  f.cameras.push_back(f.cameras[1]);
+  f.harnesses.push_back(gst_harness_new_with_element(f.element, "sink_2", "src_2"));
+  if (!is_stereo) {
+    gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_2::camera", "cam1", nullptr);
+  }
+  gst_harness_set_src_caps(f.harnesses[2],
+                           check::caps_of("GRAY8", f.cameras[2].calibration.image_size));
+  const auto texts = f.bus.texts(GST_MESSAGE_WARNING);
+  fail_unless_equals_int(texts.size(), 1);
+  fail_unless(texts[0].find("sink_2, which came later, is left out") != std::string::npos, "%s",
+              texts[0].c_str());
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  int cameras = 0;
+  gst_structure_get_int(result, "cameras", &cameras);
+  fail_unless_equals_int(cameras, 2);
+  fail_unless_equals_int(gst_value_array_get_size(gst_structure_get_value(result, "missing")), 0);
 }
 GST_END_TEST;
 
@@ -123,6 +194,8 @@ static Suite* calibrig_settings_suite(void) {
   tcase_add_loop_test(tc, test_a_board_counts_in_any_spelling, 0, 4);
   tcase_add_test(tc, test_another_board_is_named);
   tcase_add_loop_test(tc, test_a_text_that_is_no_board_is_an_error_at_the_start, 0, 3);
+  tcase_add_test(tc, test_what_no_rig_comes_of_is_an_error_at_the_start);
+  tcase_add_loop_test(tc, test_a_camera_that_does_not_go_with_the_others_is_left_out, 0, 2);
   tcase_add_test(tc, test_settings_stay_while_the_element_runs);
   tcase_add_test(tc, test_intrinsics_of_a_pad_stay_while_it_runs);
   return s;

@@ -80,6 +80,14 @@ void RigSession::set_name(std::size_t camera, std::string name) {
   fit_intrinsics(at(camera));
 }
 
+std::vector<std::string> RigSession::names() const {
+  std::vector<std::string> names;
+  for (const Camera& camera : cameras_) {
+    if (!camera.name.empty()) names.push_back(camera.name);
+  }
+  return names;
+}
+
 void RigSession::remove(std::size_t camera) {
   at(camera) = {};
   recent_instants_.forget(camera);
@@ -196,6 +204,7 @@ void RigSession::keep_recent_at(std::uint64_t timestamp) {
 
 Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
   if (!observation.found() || observation.timestamp == kNoTimestamp) return false;
+  if (at(camera).name.empty()) return false;
   const auto board = board_of(observation);
   if (!board) return tl::unexpected<Error>(board.error());
   if (!counts(*board)) {

@@ -92,9 +92,14 @@ class RigSession {
   // Of pictures of any size with the aspect of the calibration.
   void set_intrinsics(std::size_t camera, const Calibration& calibration);
 
+  [[nodiscard]] const RigOptions& options() const { return settings_.options; }
+  // Of the cameras that are there.
+  [[nodiscard]] std::vector<std::string> names() const;
+
   // A board that a camera has seen, with a timestamp of the clock that all cameras share. Kept
   // where the board was not seen there before, or where another camera's view of the same time is
-  // kept. Whether it was. kInvalidArgument for what is no view of its board.
+  // kept. Whether it was: nothing is of a camera that is not there. kInvalidArgument for what is no
+  // view of its board.
   [[nodiscard]] Result<bool> offer(std::size_t camera, Observation observation);
   // Whether enough has come since the last time to say how far the session is: any view of a board,
   // and a fiftieth more of a light's, which come with every frame.

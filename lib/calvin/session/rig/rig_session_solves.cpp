@@ -115,18 +115,16 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
     }
     if (camera.movement) job.remarks.push_back(camera.movement->text);
   }
+  std::vector<std::string> names;
+  for (const RigJob::Camera& camera : job.cameras) names.push_back(camera.name);
   if (!job.left_out.empty()) {
-    std::vector<std::string> names;
-    for (const RigJob::Camera& camera : job.cameras) names.push_back(camera.name);
     for (std::string& remark : rig::drop_unknown(job.options.baselines, names)) {
       job.remarks.push_back(std::move(remark));
     }
-    const auto is_world = [&job](const LeftOutCamera& one) {
-      return job.options.world && one.camera == job.options.world->camera;
-    };
-    if (std::ranges::any_of(job.left_out, is_world)) {
-      job.remarks.push_back(rig::drop_world(job.options.world));
-    }
+  }
+  // One that has nothing to be solved by, that was removed, or that never came.
+  if (job.options.world && !rig::check_world(*job.options.world, names)) {
+    job.remarks.push_back(rig::drop_world(job.options.world));
   }
   if (sees_light()) job.light = settings_.light;
   const PointLight* light = light_ ? light_->as<PointLight>() : nullptr;
