@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include <gst/gst.h>
 
@@ -39,6 +40,13 @@ struct RigPadStream {
   FramePoints points;
 };
 [[nodiscard]] RigPadStream& stream_of(GstPad* pad);
+
+// The settings of a pad as they are now, which are those of its camera until the next start.
+[[nodiscard]] RigCameraSettings take_settings(GstPad* pad);
+
+// New references of all sink pads of the element, by their numbers.
+[[nodiscard]] std::vector<GstPad*> sink_pads_of(GstElement* rig);
+[[nodiscard]] RigNames names_of(const std::vector<GstPad*>& pads);
 
 // Fills in GstChildProxyInterface: `sink_0::intrinsics=left.json`.
 void sink_pads_as_children(gpointer iface, gpointer data);

@@ -56,30 +56,49 @@ void RigSolver::give_way() {
   watcher_.give_way();
 }
 
-Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settings) {
+namespace {
+
+struct CameraFiles {
   std::optional<Calibration> intrinsics;
+  std::optional<KnownPoints> points;
+};
+
+Result<CameraFiles> read_files(const RigCameraSettings& settings) {
+  CameraFiles files;
   if (!settings.intrinsics.empty()) {
     auto read = parse_calibration_setting(settings.intrinsics);
     if (!read) {
       return make_error(read.error().code, fmt::format("The intrinsics of the camera '{}': {}",
                                                        settings.name, read.error().message));
     }
-    intrinsics = *std::move(read);
+    files.intrinsics = *std::move(read);
   }
-  std::optional<KnownPoints> points;
   if (!settings.points.empty()) {
     auto read = read_known_points(settings.points);
     if (!read) {
       return make_error(read.error().code, fmt::format("For the camera '{}': {}", settings.name,
                                                        read.error().message));
     }
-    points = *std::move(read);
+    files.points = *std::move(read);
   }
+  return files;
+}
+
+}  // namespace
+
+Status RigSolver::check_camera(const RigCameraSettings& settings) {
+  const auto files = read_files(settings);
+  return files ? Status() : tl::unexpected<Error>(files.error());
+}
+
+Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settings) {
+  auto files = read_files(settings);
+  if (!files) return tl::unexpected<Error>(files.error());
   {
     const std::lock_guard guard(lock_);
     session_.set_name(camera, settings.name);
-    if (intrinsics) session_.set_intrinsics(camera, *intrinsics);
-    if (points) session_.set_points(camera, *std::move(points));
+    if (files->intrinsics) session_.set_intrinsics(camera, *files->intrinsics);
+    if (files->points) session_.set_points(camera, *std::move(files->points));
   }
   post_points_report(camera);
   return {};

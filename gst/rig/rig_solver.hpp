@@ -59,6 +59,8 @@ class RigSolver : public SharedSettings<RigSettings> {
 
   // Before there are frames. An error for intrinsics that cannot be read.
   [[nodiscard]] Status add_camera(std::size_t camera, const RigCameraSettings& settings);
+  // The same error for a camera that may come later, of which the session is to know nothing yet.
+  [[nodiscard]] static Status check_camera(const RigCameraSettings& settings);
   // While the others run: the file is read beside the stream, and a WARNING says where it cannot
   // be. One with which no rig would come of the others is left out, and a WARNING says why.
   void add_camera_later(std::size_t camera, const RigCameraSettings& settings);

@@ -10,6 +10,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "common/calibration_event.hpp"
+#include "pipeline.hpp"
 #include "rig_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -136,6 +137,78 @@ GST_START_TEST(test_a_camera_that_does_not_go_with_the_others_is_left_out) {
 }
 GST_END_TEST;
 
+// A pad that nobody is linked to is no camera, whenever it was requested: nobody waits for it.
+GST_START_TEST(test_a_pad_that_is_never_linked_holds_nobody_up) {
+  const bool before = __i__ > 0;
+  RigFixture f(rig_views::stereo());
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  gst_util_set_object_arg(G_OBJECT(f.element), "mode", "stereo");
+  g_autoptr(GstPad) early = before ? gst_element_request_pad_simple(f.element, "sink_%u") : nullptr;
+  f.start();
+  g_autoptr(GstPad) late = gst_element_request_pad_simple(f.element, "sink_%u");
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  fail_unless_equals_int(gst_value_array_get_size(gst_structure_get_value(result, "missing")), 0);
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
+// Linked while the others run it is one.
+GST_START_TEST(test_a_pad_that_is_linked_later_is_a_camera) {
+  RigFixture f(rig_views::stereo());
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_autoptr(GstPad) pad = gst_element_request_pad_simple(f.element, "sink_2");
+  const std::string file = f.folder / "cam1.json";
+  g_object_set(pad, "camera", "top", "intrinsics", file.c_str(), nullptr);
+  g_object_set(f.element, "world", "top", nullptr);
+  f.start();
+  f.cameras.push_back(f.cameras[1]);
+  f.harnesses.push_back(gst_harness_new_with_element(f.element, "sink_2", "src_2"));
+  gst_harness_set_src_caps(f.harnesses[2],
+                           check::caps_of("GRAY8", f.cameras[2].calibration.image_size));
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  fail_unless_equals_string(gst_structure_get_string(result, "world"), "top");
+  const auto rig = parse_rig(gst_structure_get_string(result, "json"));
+  fail_unless(rig.has_value() && rig->cameras.size() == 3);
+}
+GST_END_TEST;
+
+// The pipeline ends, too, where this element is its last one.
+GST_START_TEST(test_the_pipeline_ends_without_a_pad_that_is_never_linked) {
+  check::Pipeline pipeline(
+      "calibrig name=rig calibtestsrc num-buffers=3 ! rig.sink_0 "
+      "calibtestsrc num-buffers=3 ! rig.sink_1");
+  g_autoptr(GstPad) unlinked = gst_element_request_pad_simple(pipeline.get("rig"), "sink_%u");
+  const auto progress = pipeline.play("calib-rig-progress");
+  fail_unless(progress.empty());
+}
+GST_END_TEST;
+
+// Nor does anybody wait for a pad that is released after the others have come to their end.
+GST_START_TEST(test_a_camera_that_goes_holds_nobody_up) {
+  RigFixture f(rig_views::ring());
+  f.start();
+  f.push_all();
+  for (std::size_t c = 0; c < 3; ++c) {
+    gst_harness_push_event(f.harnesses[c], gst_event_new_eos());
+  }
+  fail_unless(f.final_result() == nullptr);
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(f.element, "sink_3");
+  gst_element_release_request_pad(f.element, pad);
+  for (int n = 0; n < 600 && f.final_result() == nullptr; ++n) g_usleep(10 * 1000);
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  int cameras = 0;
+  gst_structure_get_int(result, "cameras", &cameras);
+  fail_unless_equals_int(cameras, 3);
+}
+GST_END_TEST;
+
 // What is set while the element runs is for the next start, as the warning says: also what is asked
 // for at the end of a session alone.
 GST_START_TEST(test_settings_stay_while_the_element_runs) {
@@ -196,6 +269,10 @@ static Suite* calibrig_settings_suite(void) {
   tcase_add_loop_test(tc, test_a_text_that_is_no_board_is_an_error_at_the_start, 0, 3);
   tcase_add_test(tc, test_what_no_rig_comes_of_is_an_error_at_the_start);
   tcase_add_loop_test(tc, test_a_camera_that_does_not_go_with_the_others_is_left_out, 0, 2);
+  tcase_add_loop_test(tc, test_a_pad_that_is_never_linked_holds_nobody_up, 0, 2);
+  tcase_add_test(tc, test_a_pad_that_is_linked_later_is_a_camera);
+  tcase_add_test(tc, test_the_pipeline_ends_without_a_pad_that_is_never_linked);
+  tcase_add_test(tc, test_a_camera_that_goes_holds_nobody_up);
   tcase_add_test(tc, test_settings_stay_while_the_element_runs);
   tcase_add_test(tc, test_intrinsics_of_a_pad_stay_while_it_runs);
   return s;
