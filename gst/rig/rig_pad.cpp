@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "common/messages.hpp"
 #include "common/property_kinds.hpp"
 
 struct _GstCalibRigPad {
@@ -32,7 +33,12 @@ static std::string& gst_calib_rig_pad_setting(GObject* object, guint id) {
 }
 
 static void gst_calib_rig_pad_set_property(GObject* object, guint id, const GValue* value,
-                                           GParamSpec* /*spec*/) {
+                                           GParamSpec* spec) {
+  g_autoptr(GstElement) rig = gst_pad_get_parent_element(GST_PAD(object));
+  // A camera that comes later is told of with what is set until then.
+  if (rig != nullptr && calvin::gst::stream_of(GST_PAD(object)).is_known) {
+    calvin::gst::warn_if_late(rig, spec);
+  }
   GST_OBJECT_LOCK(object);
   calvin::gst::read_value(value, gst_calib_rig_pad_setting(object, id));
   GST_OBJECT_UNLOCK(object);

@@ -4,6 +4,7 @@
 // A sink pad of calibrig: one camera, with properties of its own.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <vector>
 
@@ -29,12 +30,12 @@ namespace calvin::gst {
 // The name of the pad's number, as cam0, where none was set.
 [[nodiscard]] RigCameraSettings settings_of(GstPad* pad);
 
-// What only the streaming thread of the pad uses.
+// What the streaming thread of the pad uses, and the element while there is none.
 struct RigPadStream {
   GstSegment segment;
-  guint64 rig_number = 0;  // of the rig that went downstream last
-  bool at_end = false;     // under the object lock of the element
-  bool is_known = false;   // the solver was told of the camera since it started
+  guint64 rig_number = 0;              // of the rig that went downstream last
+  bool at_end = false;                 // under the object lock of the element
+  std::atomic<bool> is_known = false;  // the solver was told of the camera since it started
   bool has_own_intrinsics =
       false;  // by the property, as it was then: those of upstream do not count
   FramePoints points;

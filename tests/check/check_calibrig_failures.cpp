@@ -45,10 +45,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_intrinsics_that_cannot_be_read_are_an_error) {
   RigFixture f(rig_views::stereo(), false);
+  gst_element_set_state(f.element, GST_STATE_NULL);
   gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_1::intrinsics", "/nowhere/cam.json",
                       "sink_1::camera", "right", nullptr);
-  fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_NULL),
-                         GST_STATE_CHANGE_SUCCESS);
   fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_PAUSED),
                          GST_STATE_CHANGE_FAILURE);
   const auto texts = f.bus.texts(GST_MESSAGE_ERROR);

@@ -221,7 +221,7 @@ GST_START_TEST(test_settings_stay_while_the_element_runs) {
   gst_util_set_object_arg(G_OBJECT(f.element), "mode", "stereo");
   g_object_set(f.element, "location", later.c_str(), "export", "mrcal:/nowhere/models", nullptr);
   gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_1::camera", "left", nullptr);
-  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 3);
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 4);
   // Without a name it is the camera of the pad, which is called what it was called at the start.
   gst_harness_push_upstream_event(
       f.harnesses[1],
@@ -233,7 +233,7 @@ GST_START_TEST(test_settings_stay_while_the_element_runs) {
   fail_unless_equals_string(gst_structure_get_string(result, "location"), before.c_str());
   fail_unless(read_rig(before).has_value());
   fail_if(g_file_test(later.c_str(), G_FILE_TEST_EXISTS));
-  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 3);
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 4);
   fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
   // It is what the application reads, and what the next start takes.
   g_autofree char* location = nullptr;
@@ -253,6 +253,7 @@ GST_START_TEST(test_intrinsics_of_a_pad_stay_while_it_runs) {
     const auto json = print_calibration(f.cameras[c].calibration);
     gst_harness_push_event(f.harnesses[c], gst::new_calibration_event({"x", *json}));
   }
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), f.cameras.size());
   f.push_all();
   f.end_all();
   fail_unless(f.final_result() != nullptr);
