@@ -219,7 +219,8 @@ GST_START_TEST(test_settings_stay_while_the_element_runs) {
   g_object_set(f.element, "location", before.c_str(), nullptr);
   f.start();
   gst_util_set_object_arg(G_OBJECT(f.element), "mode", "stereo");
-  g_object_set(f.element, "location", later.c_str(), "export", "mrcal:/nowhere/models", nullptr);
+  g_object_set(f.element, "location", later.c_str(), "export",
+               ("mrcal:" + f.folder / "models").c_str(), nullptr);
   gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_1::camera", "left", nullptr);
   fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 4);
   // Without a name it is the camera of the pad, which is called what it was called at the start.
