@@ -18,6 +18,20 @@ GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
 
 namespace calvin::gst {
 
+void RigSolver::begin(const RigSettings& now, RigSessionSettings session) {
+  const std::lock_guard guard(lock_);
+  in_use_ = now;
+  session_.start(std::move(session));
+  json_.clear();
+  solution_.reset();
+  is_final_ = false;
+  solve_error_.reset();
+  write_error_.reset();
+  complained_ = write_failed_ = false;
+  unread_.clear();
+  waiting_points_.clear();
+}
+
 Status RigSolver::start(const RigNames& names) {
   const RigSettings now = settings();
   auto session = session_settings(now);
@@ -31,19 +45,7 @@ Status RigSolver::start(const RigNames& names) {
       post_warning(element_, writable.error());
     }
   }
-  {
-    const std::lock_guard guard(lock_);
-    in_use_ = now;
-    session_.start(*std::move(session));
-    json_.clear();
-    solution_.reset();
-    is_final_ = false;
-    solve_error_.reset();
-    write_error_.reset();
-    complained_ = write_failed_ = false;
-    unread_.clear();
-    waiting_points_.clear();
-  }
+  begin(now, *std::move(session));
   if (Status started = reader_.start(); !started) return started;
   if (Status started = worker_.start(); !started) return started;
   if (Status started = watcher_.start(); !started) return started;

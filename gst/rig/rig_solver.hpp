@@ -106,6 +106,8 @@ class RigSolver : public SharedSettings<RigSettings> {
     const std::lock_guard guard(lock_);
     return in_use_;
   }
+  // A session of which nothing is known yet.
+  void begin(const RigSettings& now, RigSessionSettings session);
   void read_intrinsics(const std::stop_token& stop);
   void post_point(std::size_t camera, const FrameTimes& times, const PointAnswer& answer);
   void post_points_report(std::size_t camera);
