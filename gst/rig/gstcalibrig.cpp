@@ -23,7 +23,6 @@
 #include <cstdio>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gst/gst.h>
@@ -36,6 +35,7 @@
 #include "common/metas.hpp"
 #include "common/rig_event.hpp"
 #include "elements.hpp"
+#include "rig/rig_end.hpp"
 #include "rig/rig_events.hpp"
 #include "rig/rig_messages.hpp"
 #include "rig/rig_pad.hpp"
@@ -54,6 +54,7 @@ struct _GstCalibRig {
   GstElement parent;
   gst::RigSolver* solver;
   guint next_camera;  // object lock
+  gst::RigEnd end;    // likewise
 };
 
 G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibRig, gst_calib_rig, GST_TYPE_ELEMENT,
@@ -70,29 +71,6 @@ static GstStaticPadTemplate gst_calib_rig_src_template = GST_STATIC_PAD_TEMPLATE
 
 static gst::RigSolver& gst_calib_rig_solver(GObject* object) {
   return *GST_CALIB_RIG(object)->solver;
-}
-
-// New references of all sink pads, by their numbers.
-static std::vector<GstPad*> gst_calib_rig_sink_pads(GstCalibRig* self) {
-  std::vector<GstPad*> pads;
-  GST_OBJECT_LOCK(self);
-  for (GList* l = GST_ELEMENT(self)->sinkpads; l != nullptr; l = l->next) {
-    pads.push_back(GST_PAD(gst_object_ref(l->data)));
-  }
-  GST_OBJECT_UNLOCK(self);
-  std::ranges::sort(pads, {}, gst::camera_of);
-  return pads;
-}
-
-// Where nobody is linked behind it, the pipeline ends where this element does.
-static bool gst_calib_rig_is_last(GstCalibRig* self) {
-  bool is_linked = false;
-  GST_OBJECT_LOCK(self);
-  for (GList* l = GST_ELEMENT(self)->srcpads; l != nullptr; l = l->next) {
-    is_linked = is_linked || gst_pad_is_linked(GST_PAD(l->data));
-  }
-  GST_OBJECT_UNLOCK(self);
-  return !is_linked;
 }
 
 // ---- Streaming ----------------------------------------------------------------------------------
@@ -156,36 +134,21 @@ static GstFlowReturn gst_calib_rig_chain(GstPad* pad, GstObject* parent, GstBuff
   return gst_pad_push(source, buffer);
 }
 
-// Whether all other pads are at their end, too.
-static bool gst_calib_rig_ends_with(GstCalibRig* self, GstPad* pad) {
-  bool all = true;
-  GST_OBJECT_LOCK(self);
-  gst::stream_of(pad).at_end = true;
-  for (GList* l = GST_ELEMENT(self)->sinkpads; l != nullptr; l = l->next) {
-    all = all && gst::stream_of(GST_PAD(l->data)).at_end;
-  }
-  GST_OBJECT_UNLOCK(self);
-  return all;
-}
-
-static void gst_calib_rig_runs_on(GstCalibRig* self, GstPad* pad) {
-  GST_OBJECT_LOCK(self);
-  gst::stream_of(pad).at_end = false;
-  GST_OBJECT_UNLOCK(self);
-}
-
-static void gst_calib_rig_finish(GstCalibRig* self, GstEvent* eos) {
+static void gst_calib_rig_finish(GstCalibRig* self) {
   self->solver->finish();
   if (!GST_OBJECT_FLAG_IS_SET(self, GST_ELEMENT_FLAG_SINK)) return;
   GstMessage* message = gst_message_new_eos(GST_OBJECT(self));
-  gst_message_set_seqnum(message, gst_event_get_seqnum(eos));
+  GST_OBJECT_LOCK(self);
+  const guint32 seqnum = self->end.seqnum;
+  GST_OBJECT_UNLOCK(self);
+  gst_message_set_seqnum(message, seqnum);
   gst_element_post_message(GST_ELEMENT(self), message);
 }
 
 // A camera whose pad came while the others run: its settings are there by its first frame.
 static void gst_calib_rig_introduce(GstCalibRig* self, GstPad* pad) {
-  if (std::exchange(gst::stream_of(pad).is_known, true)) return;
-  self->solver->add_camera_later(gst::camera_of(pad), gst::settings_of(pad));
+  if (gst::stream_of(pad).is_known) return;
+  self->solver->add_camera_later(gst::camera_of(pad), gst::take_settings(pad));
 }
 
 static void gst_calib_rig_set_format(GstCalibRig* self, GstPad* pad, GstEvent* event) {
@@ -209,7 +172,7 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
       break;
     case GST_EVENT_SEGMENT:
       gst_event_copy_segment(event, &stream.segment);
-      gst_calib_rig_runs_on(self, pad);
+      gst::camera_runs(GST_ELEMENT(self), self->end, pad);
       break;
     case GST_EVENT_FLUSH_START:
       // The thread of this pad may be waiting for the last solve.
@@ -218,12 +181,12 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
     case GST_EVENT_FLUSH_STOP:
       self->solver->resume();
       gst_segment_init(&stream.segment, GST_FORMAT_TIME);
-      gst_calib_rig_runs_on(self, pad);
+      gst::camera_runs(GST_ELEMENT(self), self->end, pad);
       break;
     case GST_EVENT_EOS:
       self->solver->take_waiting_points(gst::camera_of(pad), {}, GST_CLOCK_TIME_NONE,
                                         [](Pixel, double) { return std::nullopt; });
-      if (gst_calib_rig_ends_with(self, pad)) gst_calib_rig_finish(self, event);
+      if (gst::camera_ends(GST_ELEMENT(self), self->end, pad, event)) gst_calib_rig_finish(self);
       gst_calib_rig_push_rig(self, pad);
       break;
     case GST_EVENT_CUSTOM_DOWNSTREAM:
@@ -235,7 +198,7 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
       break;
     case GST_EVENT_CUSTOM_DOWNSTREAM_STICKY:
       if (const auto calibration = gst::parse_calibration_event(event)) {
-        if (gst::settings_of(pad).intrinsics.empty()) {
+        if (!stream.has_own_intrinsics) {
           self->solver->set_intrinsics(gst::camera_of(pad), calibration->json);
         }
       }
@@ -311,17 +274,29 @@ static void gst_calib_rig_release_pad(GstElement* element, GstPad* pad) {
   gst_pad_set_element_private(source, nullptr);
   gst_element_remove_pad(element, source);
   gst_element_remove_pad(element, pad);
+  const bool is_over = gst::camera_goes(element, GST_CALIB_RIG(element)->end);
+  if (!is_over || GST_STATE(element) <= GST_STATE_READY) return;
+  // Whoever releases a pad does not wait for the last solve.
+  gst_element_call_async(
+      element, [](GstElement* rig, gpointer /*data*/) { gst_calib_rig_finish(GST_CALIB_RIG(rig)); },
+      nullptr, nullptr);
 }
 
 // ---- Element ------------------------------------------------------------------------------------
 
 static bool gst_calib_rig_start(GstCalibRig* self) {
-  Status started = self->solver->start();
-  for (GstPad* pad : gst_calib_rig_sink_pads(self)) {
-    gst_calib_rig_runs_on(self, pad);
+  const std::vector<GstPad*> pads = gst::sink_pads_of(GST_ELEMENT(self));
+  Status started = self->solver->start(gst::names_of(pads));
+  for (GstPad* pad : pads) {
+    gst::camera_runs(GST_ELEMENT(self), self->end, pad);
     gst_segment_init(&gst::stream_of(pad).segment, GST_FORMAT_TIME);
-    if (started) started = self->solver->add_camera(gst::camera_of(pad), gst::settings_of(pad));
-    gst::stream_of(pad).is_known = true;
+    gst::stream_of(pad).is_known = false;
+    // One that nobody is linked to is no camera, but may be one that comes later.
+    if (started && gst_pad_is_linked(pad)) {
+      started = self->solver->add_camera(gst::camera_of(pad), gst::take_settings(pad));
+    } else if (started) {
+      started = gst::RigSolver::check_camera(gst::settings_of(pad));
+    }
     gst_object_unref(pad);
   }
   if (!started) gst::post_error(GST_ELEMENT(self), started.error());
@@ -332,7 +307,7 @@ static GstStateChangeReturn gst_calib_rig_change_state(GstElement* element, GstS
   GstCalibRig* self = GST_CALIB_RIG(element);
   if (change == GST_STATE_CHANGE_READY_TO_PAUSED) {
     self->solver->resume();
-    if (gst_calib_rig_is_last(self)) {
+    if (gst::is_last(element)) {
       GST_OBJECT_FLAG_SET(self, GST_ELEMENT_FLAG_SINK);
     } else {
       GST_OBJECT_FLAG_UNSET(self, GST_ELEMENT_FLAG_SINK);

@@ -55,7 +55,7 @@ void run_command(RigSolver& solver, const RigCommand& command, GstPad* sink) {
   const bool is_named = !command.camera.empty();
   switch (command.kind) {
     case Kind::kReinsert:
-      (void)solver.reinsert(is_named ? command.camera : settings_of(sink).name);
+      (void)(is_named ? solver.reinsert(command.camera) : solver.reinsert(own));
       break;
     case Kind::kPoint:
       if (is_named) {

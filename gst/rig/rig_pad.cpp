@@ -5,10 +5,12 @@
 
 #include "rig/rig_pad.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "common/messages.hpp"
 #include "common/property_kinds.hpp"
 
 struct _GstCalibRigPad {
@@ -31,7 +33,12 @@ static std::string& gst_calib_rig_pad_setting(GObject* object, guint id) {
 }
 
 static void gst_calib_rig_pad_set_property(GObject* object, guint id, const GValue* value,
-                                           GParamSpec* /*spec*/) {
+                                           GParamSpec* spec) {
+  g_autoptr(GstElement) rig = gst_pad_get_parent_element(GST_PAD(object));
+  // A camera that comes later is told of with what is set until then.
+  if (rig != nullptr && calvin::gst::stream_of(GST_PAD(object)).is_known) {
+    calvin::gst::warn_if_late(rig, spec);
+  }
   GST_OBJECT_LOCK(object);
   calvin::gst::read_value(value, gst_calib_rig_pad_setting(object, id));
   GST_OBJECT_UNLOCK(object);
@@ -163,6 +170,34 @@ RigCameraSettings settings_of(GstPad* pad) {
 }
 
 RigPadStream& stream_of(GstPad* pad) { return *GST_CALIB_RIG_PAD(pad)->stream; }
+
+RigCameraSettings take_settings(GstPad* pad) {
+  RigCameraSettings settings = settings_of(pad);
+  RigPadStream& stream = stream_of(pad);
+  stream.is_known = true;
+  stream.has_own_intrinsics = !settings.intrinsics.empty();
+  return settings;
+}
+
+std::vector<GstPad*> sink_pads_of(GstElement* rig) {
+  std::vector<GstPad*> pads;
+  GST_OBJECT_LOCK(rig);
+  for (GList* l = rig->sinkpads; l != nullptr; l = l->next) {
+    pads.push_back(GST_PAD(gst_object_ref(l->data)));
+  }
+  GST_OBJECT_UNLOCK(rig);
+  std::ranges::sort(pads, {}, camera_of);
+  return pads;
+}
+
+RigNames names_of(const std::vector<GstPad*>& pads) {
+  RigNames names;
+  for (GstPad* pad : pads) {
+    names.pads.push_back(settings_of(pad).name);
+    if (gst_pad_is_linked(pad)) names.cameras.push_back(names.pads.back());
+  }
+  return names;
+}
 
 void sink_pads_as_children(gpointer iface, gpointer /*data*/) {
   auto* child_proxy = static_cast<GstChildProxyInterface*>(iface);

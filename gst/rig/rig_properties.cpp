@@ -36,7 +36,8 @@ constexpr GEnumValue kIntrinsics[] = {
 const Property<RigSolver> kRigProperties[16] = {
     {"board",
      "Board",
-     "The board that counts, as the observations have its text; none: every board",
+     "The boards that count, as board of calibdetect takes them, in any spelling; none: every "
+     "board",
      kept_in<&RigSettings::board>,
      {.flags = kMutableReady}},
     {"mode",

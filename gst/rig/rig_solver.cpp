@@ -9,14 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/io/camera_baselines.hpp"
-#include "calvin/io/camera_places.hpp"
-#include "calvin/io/rig_world.hpp"
 #include "calvin/io/settings.hpp"
-#include "calvin/rig/solve_light.hpp"
-#include "calvin/session/rig/rig_exports.hpp"
 #include "rig/rig_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
@@ -24,72 +18,34 @@ GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
 
 namespace calvin::gst {
 
-namespace {
-
-// What is to be known of a solve by a light.
-Result<LightOptions> light_options(const RigSettings& settings,
-                                   const std::vector<CameraBaseline>& baselines) {
-  LightOptions options;
-  options.model = settings.model;
-  options.center_sigma = settings.center_sigma;
-  options.wand_sigma = settings.wand_sigma;
-  options.fix.clear();
-  for (const std::string_view name : split(settings.fix, ',')) {
-    if (!trim(name).empty() && trim(name) != "none") options.fix.emplace_back(trim(name));
-  }
-  if (const Status good = check(options); !good) return tl::unexpected(good.error());
-  // Places of two cameras give the unit alone.
-  if (settings.places.empty() && baselines.size() == 1 && !baselines.front().a.empty()) {
-    set_known_distance(baselines.front(), options);
-  }
-  if (settings.places.empty()) return options;
-  auto places = read_camera_places(settings.places);
-  if (!places) return tl::unexpected(places.error());
-  options.places = *std::move(places);
-  return options;
+void RigSolver::begin(const RigSettings& now, RigSessionSettings session) {
+  const std::lock_guard guard(lock_);
+  in_use_ = now;
+  session_.start(std::move(session));
+  json_.clear();
+  solution_.reset();
+  is_final_ = false;
+  solve_error_.reset();
+  write_error_.reset();
+  complained_ = write_failed_ = false;
+  unread_.clear();
+  waiting_points_.clear();
 }
 
-}  // namespace
-
-Status RigSolver::start() {
+Status RigSolver::start(const RigNames& names) {
   const RigSettings now = settings();
-  if (Status possible = check_settings(now); !possible) return possible;
-  const auto exports = parse_rig_exports(now.exports);
-  if (!exports) return tl::unexpected(exports.error());
-  auto baselines = parse_camera_baselines(now.baseline);
-  if (!baselines) return tl::unexpected(baselines.error());
-  auto light = light_options(now, *baselines);
-  if (!light) return tl::unexpected(light.error());
-  auto world = parse_rig_world(now.world);
-  if (!world) return tl::unexpected(world.error());
+  auto session = session_settings(now);
+  if (!session) return tl::unexpected(session.error());
+  for (Status possible : {check_cameras(now.mode, session->options, names.cameras),
+                          check_named(session->options, names.pads)}) {
+    if (!possible) return possible;
+  }
   if (!now.location.empty()) {
     if (const Status writable = can_write(now.location); !writable) {
       post_warning(element_, writable.error());
     }
   }
-  {
-    const std::lock_guard guard(lock_);
-    RigSessionSettings session;
-    session.board = now.board;
-    session.options.mode = now.mode == kRigFloor ? RigMode::kFloor : RigMode::kJoint;
-    session.options.tolerance = now.tolerance;
-    session.options.baselines = *std::move(baselines);
-    session.options.board_sigma = now.board_sigma;
-    session.options.fixed_boards = now.fixed_boards;
-    session.options.intrinsics = now.intrinsics;
-    session.options.world = *std::move(world);
-    session.method = now.method;
-    session.light = *std::move(light);
-    session_.start(std::move(session));
-    json_.clear();
-    solution_.reset();
-    is_final_ = false;
-    solve_error_.reset();
-    write_error_.reset();
-    complained_ = write_failed_ = false;
-    unread_.clear();
-    waiting_points_.clear();
-  }
+  begin(now, *std::move(session));
   if (Status started = reader_.start(); !started) return started;
   if (Status started = worker_.start(); !started) return started;
   if (Status started = watcher_.start(); !started) return started;
@@ -102,41 +58,71 @@ void RigSolver::give_way() {
   watcher_.give_way();
 }
 
-Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settings) {
+namespace {
+
+struct CameraFiles {
   std::optional<Calibration> intrinsics;
+  std::optional<KnownPoints> points;
+};
+
+Result<CameraFiles> read_files(const RigCameraSettings& settings) {
+  CameraFiles files;
   if (!settings.intrinsics.empty()) {
     auto read = parse_calibration_setting(settings.intrinsics);
     if (!read) {
       return make_error(read.error().code, fmt::format("The intrinsics of the camera '{}': {}",
                                                        settings.name, read.error().message));
     }
-    intrinsics = *std::move(read);
+    files.intrinsics = *std::move(read);
   }
-  std::optional<KnownPoints> points;
   if (!settings.points.empty()) {
     auto read = read_known_points(settings.points);
     if (!read) {
       return make_error(read.error().code, fmt::format("For the camera '{}': {}", settings.name,
                                                        read.error().message));
     }
-    points = *std::move(read);
+    files.points = *std::move(read);
   }
+  return files;
+}
+
+}  // namespace
+
+Status RigSolver::check_camera(const RigCameraSettings& settings) {
+  const auto files = read_files(settings);
+  return files ? Status() : tl::unexpected<Error>(files.error());
+}
+
+Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settings) {
+  auto files = read_files(settings);
+  if (!files) return tl::unexpected<Error>(files.error());
   {
     const std::lock_guard guard(lock_);
     session_.set_name(camera, settings.name);
-    if (intrinsics) session_.set_intrinsics(camera, *intrinsics);
-    if (points) session_.set_points(camera, *std::move(points));
+    if (files->intrinsics) session_.set_intrinsics(camera, *files->intrinsics);
+    if (files->points) session_.set_points(camera, *std::move(files->points));
   }
   post_points_report(camera);
   return {};
 }
 
 void RigSolver::add_camera_later(std::size_t camera, const RigCameraSettings& settings) {
+  Status possible;
   {
     const std::lock_guard guard(lock_);
-    session_.set_name(camera, settings.name);
-    if (settings.intrinsics.empty() && settings.points.empty()) return;
-    unread_.emplace_back(camera, settings);
+    std::vector<std::string> names = session_.names();
+    names.push_back(settings.name);
+    possible = check_cameras(in_use_.mode, session_.options(), names);
+    if (possible) session_.set_name(camera, settings.name);
+    if (possible && settings.intrinsics.empty() && settings.points.empty()) return;
+    if (possible) unread_.emplace_back(camera, settings);
+  }
+  if (!possible) {
+    post_warning(element_,
+                 {possible.error().code,
+                  fmt::format("The camera of the pad sink_{}, which came later, is left out. {}",
+                              camera, possible.error().message)});
+    return;
   }
   reader_.offer([this](const std::stop_token& stop) { read_intrinsics(stop); });
 }
@@ -235,6 +221,15 @@ bool RigSolver::reinsert(const std::string& camera) {
   return true;
 }
 
+bool RigSolver::reinsert(std::size_t camera) {
+  std::string name;
+  {
+    const std::lock_guard guard(lock_);
+    name = session_.name(camera);
+  }
+  return reinsert(name);
+}
+
 void RigSolver::finish() {
   if (!reader_.drain() || !watcher_.drain() || !worker_.drain()) return;
   solve_if_due(true);
@@ -245,7 +240,7 @@ void RigSolver::finish() {
   bool files_wanted = false;
   {
     const std::lock_guard guard(lock_);
-    files_wanted = !settings_.location.empty() || !settings_.exports.empty();
+    files_wanted = !in_use_.location.empty() || !in_use_.exports.empty();
     has_rig = solution_ != nullptr;
     error = solve_error_;
     if (!error && !is_final_) error = session_.lack();
@@ -278,7 +273,7 @@ void RigSolver::keep_last(const Error& error) {
   post_warning(element_,
                {error.code, fmt::format("The last solve failed, and the rig before it stays: {}",
                                         error.message)});
-  post_message(element_, rig_result_message(times, *solution, settings().location, json.c_str()));
+  post_message(element_, rig_result_message(times, *solution, in_use().location, json.c_str()));
 }
 
 std::optional<std::string> RigSolver::take_rig(guint64& known) {

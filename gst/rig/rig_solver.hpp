@@ -14,42 +14,15 @@
 
 #include <gst/gst.h>
 
-#include "calvin/core/text.hpp"
-#include "calvin/rig/light_camera.hpp"
 #include "calvin/session/rig/rig_file.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 #include "common/messages.hpp"
 #include "common/properties.hpp"
 #include "common/shared_settings.hpp"
 #include "common/worker.hpp"
+#include "rig/rig_settings.hpp"
 
 namespace calvin::gst {
-
-enum RigModeChoice { kRigFloor, kRigJoint, kRigStereo };
-
-struct RigSettings {
-  std::string board;
-  RigModeChoice mode = kRigJoint;
-  RigMethod method = RigMethod::kAuto;
-  std::string location;
-  std::string exports;  // "FORMAT:PATH,...", as parse_rig_exports() takes it
-  guint64 tolerance = 10 * GST_MSECOND;
-  std::string baseline;  // known distances, as parse_camera_baselines() takes them
-  std::string world;     // the frame, as parse_rig_world() takes it
-  double board_sigma = RigOptions().board_sigma;
-  bool fixed_boards = false;
-  RigIntrinsics intrinsics = RigIntrinsics::kHeld;
-  // Before a light:
-  std::string places;  // a file
-  std::string model = LightOptions().model;
-  std::string fix = join(LightOptions().fix, ",");
-  double center_sigma = LightOptions().center_sigma;
-  double wand_sigma = LightOptions().wand_sigma;  // m
-};
-
-// An error for settings that contradict each other, whatever the cameras will see:
-// rig_solver_jobs.cpp.
-[[nodiscard]] Status check_settings(const RigSettings& now);
 
 // What a pad is told of its camera.
 struct RigCameraSettings {
@@ -62,8 +35,8 @@ class RigSolver : public SharedSettings<RigSettings> {
  public:
   explicit RigSolver(GstElement* element) : element_(element) {}
 
-  // An error for settings that cannot work.
-  [[nodiscard]] Status start();
+  // An error for settings that cannot work, or not with these cameras.
+  [[nodiscard]] Status start(const RigNames& names);
   // Any thread: whoever waits for a solve goes on without it.
   void cancel() {
     worker_.cancel();
@@ -86,8 +59,10 @@ class RigSolver : public SharedSettings<RigSettings> {
 
   // Before there are frames. An error for intrinsics that cannot be read.
   [[nodiscard]] Status add_camera(std::size_t camera, const RigCameraSettings& settings);
+  // The same error for a camera that may come later, of which the session is to know nothing yet.
+  [[nodiscard]] static Status check_camera(const RigCameraSettings& settings);
   // While the others run: the file is read beside the stream, and a WARNING says where it cannot
-  // be.
+  // be. One with which no rig would come of the others is left out, and a WARNING says why.
   void add_camera_later(std::size_t camera, const RigCameraSettings& settings);
   void remove_camera(std::size_t camera);
   // Streaming threads, each for its own camera.
@@ -102,6 +77,7 @@ class RigSolver : public SharedSettings<RigSettings> {
   // Any thread: a camera that has moved stands where it does now. A WARNING, and false, where there
   // is no camera of that name.
   bool reinsert(const std::string& camera);
+  bool reinsert(std::size_t camera);
 
   // Manual points: rig_solver_points.cpp. Any thread: one waits for a frame of its camera.
   void add_point(std::size_t camera, const PointChoice& choice);
@@ -126,6 +102,12 @@ class RigSolver : public SharedSettings<RigSettings> {
   [[nodiscard]] std::optional<std::string> take_rig(guint64& known);
 
  private:
+  [[nodiscard]] RigSettings in_use() {
+    const std::lock_guard guard(lock_);
+    return in_use_;
+  }
+  // A session of which nothing is known yet.
+  void begin(const RigSettings& now, RigSessionSettings session);
   void read_intrinsics(const std::stop_token& stop);
   void post_point(std::size_t camera, const FrameTimes& times, const PointAnswer& answer);
   void post_points_report(std::size_t camera);
@@ -147,6 +129,7 @@ class RigSolver : public SharedSettings<RigSettings> {
   GstElement* element_;
 
   // Under lock_.
+  RigSettings in_use_;  // since the start: what is set later is for the next one
   RigSession session_;
   FrameTimes times_;
   std::string json_;

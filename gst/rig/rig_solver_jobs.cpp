@@ -4,7 +4,6 @@
 // What calibrig does beside the streams: solves, publishes what comes of it, and watches whether
 // the cameras stay where they are.
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,8 +12,6 @@
 #include "calvin/rig/moved_camera.hpp"
 #include "calvin/session/rig/light_rig.hpp"
 #include "calvin/session/rig/rig_exports.hpp"
-#include "calvin/target/board.hpp"
-#include "calvin/target/kinds.hpp"
 #include "rig/rig_messages.hpp"
 #include "rig/rig_solver.hpp"
 
@@ -36,75 +33,13 @@ void log_rejected(GstElement* element, const RigSolution& solution,
   }
 }
 
-Status check_light(RigModeChoice mode, RigIntrinsics intrinsics) {
-  if (mode == kRigFloor) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      "A light is no floor that cameras stand above: take mode=joint.");
-  }
-  if (intrinsics != RigIntrinsics::kHeld) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      "Before a light the lenses of all cameras without intrinsics are found, and "
-                      "no others: take estimate-intrinsics=no, and leave out the intrinsics of "
-                      "the pads whose lenses are to be found.");
-  }
-  return {};
-}
-
-// Whether it is known before anything is seen that cameras look at a light.
-bool expects_light(const RigSettings& now) {
-  if (now.method != RigMethod::kAuto) return now.method == RigMethod::kSvoboda;
-  const auto board = parse_board(now.board);
-  return board && board->as<PointLight>() != nullptr;
-}
-
-Status check_mode(const RigJob& job, RigModeChoice mode) {
-  const std::size_t linked = job.cameras.size() + job.left_out.size();
-  if (mode == kRigStereo && linked != 2) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("A stereo rig has two cameras, and {} are linked: take "
-                                  "mode=joint.",
-                                  linked));
-  }
-  if (job.light) {
-    if (Status possible = check_light(mode, job.options.intrinsics); !possible) return possible;
-  }
-  const bool has_names = std::ranges::none_of(job.options.baselines, [](const CameraBaseline& one) {
-    return one.a.empty() && one.b.empty();
-  });
-  if (!has_names && linked != 2) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("A known distance without names is that of two cameras, and {} "
-                                  "are linked: name two, as baseline=cam0:cam1:110mm.",
-                                  linked));
-  }
-  if (job.light && job.options.world) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      "Before a light places give the frame of the rig, and not world.");
-  }
-  if (job.light && !job.options.baselines.empty() && job.light->places.empty()) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      "Before a light one known distance, with the names of its cameras, gives the "
-                      "unit. Where more is known take places.");
-  }
-  return {};
-}
-
 }  // namespace
-
-Status check_settings(const RigSettings& now) {
-  if (expects_light(now)) return check_light(now.mode, now.intrinsics);
-  if (now.mode != kRigFloor || now.intrinsics == RigIntrinsics::kHeld) return {};
-  return make_error(ErrorCode::kInvalidArgument,
-                    "A board on the floor tells where cameras stand and not their intrinsics: take "
-                    "estimate-intrinsics=no, or mode=joint and carry the board before two cameras "
-                    "at a time.");
-}
 
 Result<RigSolution> RigSolver::solve(const RigJob& job, const std::vector<RigCameraViews>& views,
                                      const std::stop_token& stop) {
-  if (const Status possible = check_mode(job, settings().mode); !possible) {
-    return tl::unexpected(possible.error());
-  }
+  // That it is a light may be known only now.
+  const Status possible = job.light ? check_light(job.options, *job.light) : Status();
+  if (!possible) return tl::unexpected(possible.error());
   auto solution = job.light ? solve_light_rig(job, stop) : solve_rig(views, job.options, stop);
   if (!solution) return solution;
   if (!job.light) log_rejected(element_, *solution, views);
@@ -143,7 +78,7 @@ void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
 
 // All that can be; the first error.
 Status RigSolver::write_files(const Rig& rig) {
-  const RigSettings now = settings();
+  const RigSettings now = in_use();
   Status all = now.location.empty() ? Status() : file_.write(now.location, rig);
   const auto exports = parse_rig_exports(now.exports);
   for (const RigExport& to : exports.value_or(std::vector<RigExport>())) {
@@ -157,7 +92,7 @@ void RigSolver::publish(const RigJob& job, std::shared_ptr<const RigSolution> so
                         const std::stop_token& stop) {
   const auto json = print_rig(solution->rig);
   if (!json) return;
-  const std::string location = settings().location;
+  const std::string location = in_use().location;
   const Status written = write_files(solution->rig);
   FrameTimes times;
   bool first_failure = false;

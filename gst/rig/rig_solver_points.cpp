@@ -79,8 +79,9 @@ void RigSolver::take_waiting_points(std::size_t camera, const FrameTimes& times,
   {
     const std::lock_guard guard(lock_);
     reach = session_.point_reach(camera);
+    const bool is_there = !session_.name(camera).empty();
     for (const auto& [of, choice] : waiting_points_) {
-      if (of == camera) own.push_back(choice);
+      if (of == camera && is_there) own.push_back(choice);
     }
     std::erase_if(waiting_points_,
                   [camera](const auto& waiting) { return waiting.first == camera; });

@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "calvin/io/calibration_io.hpp"
@@ -161,25 +160,26 @@ GST_START_TEST(test_a_known_distance_sets_the_scale) {
 }
 GST_END_TEST;
 
-// What cannot be meant is an error at the start, or at the end.
+// What cannot be meant is an error at the start.
 GST_START_TEST(test_wrong_distances_and_exports_are_refused) {
-  const std::pair<const char*, const char*> wrong[] = {
-      {"baseline", "cam0:cam1"}, {"export", "pdf:a.pdf"}, {"export", "mrcal"}};
-  for (const auto& [property, text] : wrong) {
+  struct Case {
+    const char* property;
+    const char* text;
+    const char* told;
+  };
+  constexpr Case kCases[] = {
+      {"baseline", "cam0:cam1", "cam0:cam1"},
+      {"baseline", "cam0:top:1m", "no distance between 'cam0' and 'top'"},
+      {"export", "pdf:a.pdf", "pdf:a.pdf"},
+      {"export", "mrcal", "mrcal"},
+  };
+  for (const auto& [property, text, told] : kCases) {
     RigFixture f(rig_views::stereo());
     gst_element_set_state(f.element, GST_STATE_NULL);
     g_object_set(f.element, property, text, nullptr);
     fail_unless(gst_element_set_state(f.element, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
-    fail_unless(f.bus.says(GST_MESSAGE_ERROR, text));
+    fail_unless(f.bus.says(GST_MESSAGE_ERROR, told));
   }
-  RigFixture f(rig_views::stereo());
-  gst_element_set_state(f.element, GST_STATE_NULL);
-  g_object_set(f.element, "location", (f.folder / "rig.json").c_str(), "baseline", "cam0:top:1m",
-               nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
-  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "no distance between 'cam0' and 'top'"));
 }
 GST_END_TEST;
 

@@ -46,6 +46,8 @@ struct Studio {
       const std::string number = std::to_string(c);
       pads.push_back(
           gst_harness_new_with_element(rig, ("sink_" + number).c_str(), ("src_" + number).c_str()));
+      // A harness starts its element, and settings are for the next start.
+      gst_element_set_state(rig, GST_STATE_NULL);
       detectors.push_back(check::harness_of(check::make_element("calibdetect mode=sync")));
       const std::string file = folder / ("cam" + number + ".json").c_str();
       (void)write_calibration(file, cameras.calibrations[c]);

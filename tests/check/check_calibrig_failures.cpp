@@ -45,10 +45,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_intrinsics_that_cannot_be_read_are_an_error) {
   RigFixture f(rig_views::stereo(), false);
+  gst_element_set_state(f.element, GST_STATE_NULL);
   gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_1::intrinsics", "/nowhere/cam.json",
                       "sink_1::camera", "right", nullptr);
-  fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_NULL),
-                         GST_STATE_CHANGE_SUCCESS);
   fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_PAUSED),
                          GST_STATE_CHANGE_FAILURE);
   const auto texts = f.bus.texts(GST_MESSAGE_ERROR);
@@ -70,6 +69,8 @@ GST_START_TEST(test_settings_that_contradict_each_other_are_an_error) {
       {{{"board", "dot"}, {"estimate-intrinsics", "prior"}}, "estimate-intrinsics=no"},
       {{{"board", "wand:150mm+350mm"}, {"estimate-intrinsics", "free"}}, "estimate-intrinsics=no"},
       {{{"board", "dot"}, {"mode", "floor"}}, "no floor"},
+      {{{"board", "dot"}, {"world", "cam0"}}, "places give the frame"},
+      {{{"board", "dot"}, {"baseline", "110mm"}}, "with the names of its cameras"},
       {{{"board", "dot"}, {"method", "boards"}, {"estimate-intrinsics", "free"}}, nullptr},
       {{{"board", "checkerboard:9x6:25mm"}, {"estimate-intrinsics", "free"}}, nullptr},
       {{{"mode", "floor"}}, nullptr}};

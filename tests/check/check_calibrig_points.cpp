@@ -45,6 +45,8 @@ struct PointsRig {
       const std::string number = std::to_string(c);
       harnesses.push_back(gst_harness_new_with_element(element, ("sink_" + number).c_str(),
                                                        ("src_" + number).c_str()));
+      // A harness starts its element, and settings are for the next start.
+      gst_element_set_state(element, GST_STATE_NULL);
       const auto set = [&](const char* property, const std::string& value) {
         const std::string name = "sink_" + number + "::" + property;
         gst_child_proxy_set(GST_CHILD_PROXY(element), name.c_str(), value.c_str(), nullptr);
@@ -52,8 +54,6 @@ struct PointsRig {
       set("intrinsics", camera);
       if (!points.empty()) set("points", points[c]);
     }
-    // A harness starts its element before anything can be set.
-    gst_element_set_state(element, GST_STATE_NULL);
     gst_element_set_state(element, GST_STATE_PLAYING);
     for (GstHarness* h : harnesses) {
       gst_harness_set_src_caps(h, check::caps_of("I420", scene.size));

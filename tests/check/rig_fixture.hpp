@@ -30,6 +30,8 @@ struct RigFixture {
       const std::string number = std::to_string(c);
       harnesses.push_back(gst_harness_new_with_element(element, ("sink_" + number).c_str(),
                                                        ("src_" + number).c_str()));
+      // A harness starts its element, and settings are for the next start.
+      gst_element_set_state(element, GST_STATE_NULL);
       if (with_intrinsics) {
         const std::string file = folder / ("cam" + number + ".json").c_str();
         (void)write_calibration(file, cameras[c].calibration);

@@ -80,6 +80,8 @@ NEAR_FILES = {
     "gstcalibrig": "calibrig*",
     "rig_solver": "calibrig_failures calibrig*",
     "rig_solver_jobs": "calibrig_failures calibrig*",
+    "rig_settings": "calibrig_failures calibrig_settings calibrig*",
+    "rig_end": "calibrig_settings calibrig*",
     "view_state": "calibview",
     "solver_watch": "calibsolve_silence calibsolve_lens",
     "solve_messages": "calibsolve* calibrate*",

@@ -62,10 +62,57 @@ TEST(RigSession, TakesTheViewBeforeThatWasNotNew) {
 TEST(RigSession, CountsOnlyTheBoardThatWasAskedFor) {
   Sessions s;
   RigSessionSettings settings;
-  settings.board = "puzzle:14x9:20mm";
+  settings.boards = {parse_board("puzzle:14x9:20mm").value()};
   s.session.start(settings);
+  s.session.set_name(0, "cam0");
+  s.session.set_name(1, "cam1");
   EXPECT_FALSE(s.offer(0, kPlace, 0));
   EXPECT_TRUE(s.session.progress().cameras.empty());
+  // Who held up another one hears which.
+  const std::string why = s.session.lack().message;
+  EXPECT_NE(why.find(s.rig.board.text()), std::string::npos) << why;
+  EXPECT_NE(why.find("puzzle:14x9:20mm"), std::string::npos) << why;
+}
+
+TEST(RigSession, CountsABoardHoweverItIsSpelled) {
+  Sessions s;
+  RigSessionSettings settings;
+  settings.boards = {parse_board("puzzle:14x9:20mm").value(), s.rig.board};
+  s.session.start(settings);
+  s.session.set_name(0, "cam0");
+  Observation seen = s.seen(0, kPlace, 0).value();
+  ASSERT_EQ(seen.board, "checkerboard:9x6:25mm");
+  seen.board = "checkerboard:9x6:2.5cm";
+  EXPECT_TRUE(s.session.offer(0, seen).value());
+}
+
+// Of a camera that is not there nothing counts.
+TEST(RigSession, TakesNothingOfACameraWithoutAName) {
+  Sessions s;
+  s.session.remove(1);
+  EXPECT_TRUE(s.offer(0, kPlace, 0));
+  EXPECT_FALSE(s.offer(1, kPlace, 0));
+  EXPECT_EQ(s.session.progress().cameras, std::vector<std::string>{"cam0"});
+  EXPECT_EQ(s.session.names(), std::vector<std::string>{"cam0"});
+}
+
+// The frame that was asked for may be that of a camera that goes, or never comes: the rig is found
+// all the same, in another one.
+TEST(RigSession, SolvesWithoutTheCameraOfTheWorld) {
+  Sessions s;
+  RigSessionSettings settings;
+  settings.options.world = RigWorld{"cam9", {}, {}};
+  s.session.start(settings);
+  for (std::size_t c = 0; c < 2; ++c) {
+    s.session.set_name(c, "cam" + std::to_string(c));
+    s.session.set_intrinsics(c, s.rig.cameras[c].to_calibration());
+    EXPECT_TRUE(s.offer(c, kPlace, 0));
+  }
+  const auto job = s.session.take_solve(true);
+  ASSERT_TRUE(job.has_value());
+  EXPECT_FALSE(job->options.world.has_value());
+  ASSERT_EQ(job->remarks.size(), 1U);
+  EXPECT_NE(job->remarks[0].find("'cam9'"), std::string::npos);
 }
 
 TEST(RigSession, RefusesWhatIsNoView) {

@@ -81,6 +81,14 @@ void RigSession::set_name(std::size_t camera, std::string name) {
   fit_intrinsics(at(camera));
 }
 
+std::vector<std::string> RigSession::names() const {
+  std::vector<std::string> names;
+  for (const Camera& camera : cameras_) {
+    if (!camera.name.empty()) names.push_back(camera.name);
+  }
+  return names;
+}
+
 void RigSession::remove(std::size_t camera) {
   at(camera) = {};
   recent_instants_.forget(camera);
@@ -94,19 +102,26 @@ void RigSession::set_intrinsics(std::size_t camera, const Calibration& calibrati
   ++revision_;
 }
 
-Result<View> RigSession::to_view(const Observation& observation) {
+Result<Board> RigSession::board_of(const Observation& observation) {
   auto known = std::ranges::find_if(
       boards_, [&](const Board& board) { return board.text() == observation.board; });
-  if (known == boards_.end()) {
-    auto board = parse_board(observation.board);
-    if (!board) return tl::unexpected<Error>(board.error());
-    boards_.push_back(*std::move(board));
-    known = boards_.end() - 1;
-  }
-  if (const Status named = check_names_points(*known); !named) {
+  if (known != boards_.end()) return *known;
+  auto board = parse_board(observation.board);
+  if (board) boards_.push_back(*board);
+  return board;
+}
+
+// Equal boards are the same however their texts are spelled.
+bool RigSession::counts(const Board& board) const {
+  return settings_.boards.empty() ||
+         std::ranges::find(settings_.boards, board) != settings_.boards.end();
+}
+
+Result<View> RigSession::to_view(const Observation& observation, const Board& board) {
+  if (const Status named = check_names_points(board); !named) {
     return tl::unexpected<Error>(named.error());
   }
-  View view{observation, *known};
+  View view{observation, board};
   view.observation.patches.reset();
   if (!std::ranges::is_sorted(observation.ids)) {
     return make_error(ErrorCode::kInvalidArgument,
@@ -228,8 +243,14 @@ void RigSession::keep_recent_at(std::uint64_t timestamp) {
 
 Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
   if (!observation.found() || observation.timestamp == kNoTimestamp) return false;
-  if (!settings_.board.empty() && observation.board != settings_.board) return false;
-  auto checked = to_view(observation);
+  if (at(camera).name.empty()) return false;
+  const auto board = board_of(observation);
+  if (!board) return tl::unexpected<Error>(board.error());
+  if (!counts(*board)) {
+    at(camera).seen_other = observation.board;
+    return false;
+  }
+  auto checked = to_view(observation, *board);
   if (!checked) return tl::unexpected<Error>(checked.error());
   if (!takes(*checked)) return false;
   set_size(camera, observation.image_size);

@@ -23,6 +23,7 @@
 #include "calvin/session/points/known_points.hpp"
 #include "calvin/session/points/manual_points.hpp"
 #include "calvin/session/rig/recent_instants.hpp"
+#include "calvin/target/board.hpp"
 
 namespace calvin {
 
@@ -34,7 +35,7 @@ enum class RigMethod {
 
 struct RigSessionSettings {
   RigOptions options;
-  std::string board = {};  // only this one counts; empty: every board
+  std::vector<Board> boards = {};  // only these count; empty: every board
   RigMethod method = RigMethod::kAuto;
   LightOptions light = {};  // kSvoboda
 };
@@ -91,9 +92,14 @@ class RigSession {
   // Of pictures of any size with the aspect of the calibration.
   void set_intrinsics(std::size_t camera, const Calibration& calibration);
 
+  [[nodiscard]] const RigOptions& options() const { return settings_.options; }
+  // Of the cameras that are there.
+  [[nodiscard]] std::vector<std::string> names() const;
+
   // A board that a camera has seen, with a timestamp of the clock that all cameras share. Kept
   // where the board was not seen there before, or where another camera's view of the same time is
-  // kept. Whether it was. kInvalidArgument for what is no view of its board.
+  // kept. Whether it was: nothing is of a camera that is not there. kInvalidArgument for what is no
+  // view of its board.
   [[nodiscard]] Result<bool> offer(std::size_t camera, Observation observation);
   // Whether enough has come since the last time to say how far the session is: any view of a board,
   // and a fiftieth more of a light's, which come with every frame.
@@ -166,6 +172,7 @@ class RigSession {
     std::optional<ImageSize> size;              // of its pictures, once it has seen a board
     std::shared_ptr<const Calibration> fitted;  // to that size; nullptr: they do not fit
     bool has_seen = false;                      // a board
+    std::string seen_other;                     // the text of the last board that does not count
     std::deque<SharedView> recent;              // of the last moment, not kept
     std::vector<SharedView> kept;
     std::optional<Movement> movement;
@@ -190,7 +197,9 @@ class RigSession {
   };
 
   Camera& at(std::size_t camera);
-  [[nodiscard]] Result<View> to_view(const Observation& observation);
+  [[nodiscard]] Result<Board> board_of(const Observation& observation);
+  [[nodiscard]] bool counts(const Board& board) const;
+  [[nodiscard]] static Result<View> to_view(const Observation& observation, const Board& board);
   void improve_last(std::size_t number, const Observation& now);
   void forget_last(std::size_t number);
   [[nodiscard]] bool goes_with_another(std::size_t number, std::uint64_t time, double speed) const;

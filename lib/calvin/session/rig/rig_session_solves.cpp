@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/frame_fit.hpp"
+#include "calvin/core/text.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/rig/result/rig_frame.hpp"
 #include "calvin/session/rig/rig_session.hpp"
@@ -32,6 +33,16 @@ std::string has_seen_nothing(const std::string& camera, bool is_light, bool befo
                      is_light ? "light: put calibdetect board=dot before it, and move the light "
                                 "where it and two others see it at a time"
                               : "board: put calibdetect before it, and show it the board");
+}
+
+std::string has_seen_another(const std::string& camera, const std::string& seen,
+                             const std::vector<Board>& wanted) {
+  std::vector<std::string> texts;
+  for (const Board& board : wanted) texts.push_back(board.text());
+  return fmt::format(
+      "The camera '{}' has seen {}, and board= says {}: set board= to the board that is shown, or "
+      "show the other one.",
+      camera, seen, join(texts, ";"));
 }
 
 // Cameras that have seen something at one time.
@@ -104,18 +115,16 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
     }
     if (camera.movement) job.remarks.push_back(camera.movement->text);
   }
+  std::vector<std::string> names;
+  for (const RigJob::Camera& camera : job.cameras) names.push_back(camera.name);
   if (!job.left_out.empty()) {
-    std::vector<std::string> names;
-    for (const RigJob::Camera& camera : job.cameras) names.push_back(camera.name);
     for (std::string& remark : rig::drop_unknown(job.options.baselines, names)) {
       job.remarks.push_back(std::move(remark));
     }
-    const auto is_world = [&job](const LeftOutCamera& one) {
-      return job.options.world && one.camera == job.options.world->camera;
-    };
-    if (std::ranges::any_of(job.left_out, is_world)) {
-      job.remarks.push_back(rig::drop_world(job.options.world));
-    }
+  }
+  // One that has nothing to be solved by, that was removed, or that never came.
+  if (job.options.world && !rig::check_world(*job.options.world, names)) {
+    job.remarks.push_back(rig::drop_world(job.options.world));
   }
   if (sees_light()) job.light = settings_.light;
   const PointLight* light = light_ ? light_->as<PointLight>() : nullptr;
@@ -165,6 +174,10 @@ std::optional<Error> RigSession::lack_of(const Camera& camera) const {
       return Error{ErrorCode::kDegenerate,
                    fmt::format("The manual points of the camera '{}' are not enough. {}",
                                camera.name, camera.points.hint())};
+    }
+    if (!camera.has_seen && !camera.seen_other.empty()) {
+      return Error{ErrorCode::kInvalidArgument,
+                   has_seen_another(camera.name, camera.seen_other, settings_.boards)};
     }
     return Error{ErrorCode::kDegenerate,
                  has_seen_nothing(camera.name, sees_light(), camera.has_seen)};
