@@ -174,11 +174,18 @@ std::vector<std::size_t> as_good_as_any(const std::vector<Trial>& trials) {
   return good;
 }
 
+double error_anywhere(const Trial& trial) {
+  return trial.solution.calibration.expected_error_anywhere.value_or(HUGE_VAL);
+}
+
 // Of the models that are as good as any the first on which halves of the views agree about as well
-// as on any of these.
+// as on any of these; where that knows little of what no corner was seen in, one that knows more.
 std::size_t choose(const std::vector<Trial>& trials, const std::vector<PointSet>& views,
                    const BoardShape& shape, SolveOptions options, const std::stop_token& stop) {
-  constexpr double kAsClose = 1.1;  // times the least difference of halves
+  constexpr double kAsClose = 1.1;     // times the least difference of halves
+  constexpr double kStillClose = 1.2;  // likewise
+  constexpr double kLittle = 5;        // times the error among corners that is elsewhere
+  constexpr double kMore = 0.7;        // times the error that may be anywhere in the picture
   const std::vector<std::size_t> good = as_good_as_any(trials);
   std::vector<double> apart;
   for (const std::size_t i : good) {
@@ -191,7 +198,16 @@ std::size_t choose(const std::vector<Trial>& trials, const std::vector<PointSet>
   const double least = *std::min_element(apart.begin(), apart.end());
   const auto first =
       std::find_if(apart.begin(), apart.end(), [&](double d) { return d <= kAsClose * least; });
-  return good[static_cast<std::size_t>(first - apart.begin())];
+  std::size_t best = good[static_cast<std::size_t>(first - apart.begin())];
+  const double among_corners = trials[best].solution.calibration.expected_error.value_or(0);
+  if (error_anywhere(trials[best]) <= kLittle * among_corners) return best;
+  const double most = kMore * error_anywhere(trials[best]);
+  for (std::size_t k = 0; k < good.size(); ++k) {
+    const double error = error_anywhere(trials[good[k]]);
+    if (apart[k] > kStillClose * least || error > most) continue;
+    if (error < error_anywhere(trials[best])) best = good[k];
+  }
+  return best;
 }
 
 std::string explain(const std::vector<Trial>& trials, std::size_t best,

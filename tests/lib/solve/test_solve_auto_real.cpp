@@ -117,6 +117,19 @@ double disagreement(const real::Views& all, const Calibration& own, const std::s
   return apart ? apart->focus.max / (2 * own.expected_error.value()) : HUGE_VAL;
 }
 
+// Boards in the middle of a wide picture tell rational8 and fisheye about as well, and only one of
+// them is known beyond.
+TEST(AutoOfRealSets, KnowsMoreOfThePictureWhereCornersTellNoDifference) {
+  const real::Views all = real::read(set_of("camodocal"));
+  if (all.views.empty()) GTEST_SKIP() << "CALVIN_DATA does not name a folder with camodocal";
+  const auto chosen = solve(all.views, all.size, options_for("auto"));
+  const auto richer = solve(all.views, all.size, options_for("rational8"));
+  ASSERT_TRUE(chosen && richer);
+  EXPECT_LT(chosen->calibration.expected_error_anywhere.value_or(HUGE_VAL),
+            0.8 * richer->calibration.expected_error_anywhere.value_or(HUGE_VAL))
+      << chosen->calibration.model;
+}
+
 // Cameras of a pair are alike, and so is what auto says of them. Not of the pair stereo_left and
 // stereo_right: views held out of the left one ask for rational8, by 3 to 4 %, those of the right
 // one do not.
