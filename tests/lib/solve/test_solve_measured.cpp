@@ -239,6 +239,22 @@ TEST(MeasuredBoard, SaysNothingToViewsThatMayBeLabelledOtherwise) {
   EXPECT_EQ(known->calibration.find("fx")->value, plain->calibration.find("fx")->value);
 }
 
+// All that was measured of it are errors, of which the next views say that they are none of its.
+TEST(MeasuredBoard, ASheetThatWasPrintedExactlyIsTheSameSheet) {
+  int noticed = 0;
+  const int sessions = scenes::full_count() ? 50 : 10;
+  for (int i = 0; i < sessions; ++i) {
+    Random random(static_cast<std::uint64_t>(900 + i));
+    const auto points = kBoard.points();
+    const Measured first = measure(seen(points, 25, random), kSize, {});
+    ASSERT_TRUE(first) << i;
+    const auto solution = solve(seen(points, 25, random), kSize, knowing(first));
+    ASSERT_TRUE(solution.has_value()) << i;
+    noticed += solution->other_board ? 1 : 0;
+  }
+  EXPECT_LE(noticed, 0.05 * sessions);
+}
+
 TEST(MeasuredBoard, AnotherSheetOrABentOneIsNoticed) {
   const int sessions = scenes::full_count() ? 50 : 6;
   int same = 0;

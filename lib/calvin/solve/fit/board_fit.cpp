@@ -141,7 +141,8 @@ void BoardFit::take_step() { offsets_ += basis_ * step_; }
 
 // The views alone say that the offsets are x more than those of the prior. What x has in common
 // with the offsets of the prior, and how much more the board is bent, are told by least squares
-// over three numbers with the errors of both.
+// over three numbers with the errors of both. The errors of the prior are a part of its offsets,
+// which x takes back of any board: of one that was printed exactly, all of them.
 bool BoardFit::contradicts_prior() const {
   constexpr double kOtherBoard = 0.5;  // of the offsets: half way to a board as it was printed
   constexpr double kSure = 3;          // deviations
@@ -167,7 +168,10 @@ bool BoardFit::contradicts_prior() const {
   const Eigen::Vector3d found = inverse_seen * (seen.transpose() * more->col(0));
   const Eigen::Matrix3d spread =
       noise * inverse_seen + inverse_seen * congruent(prior_covariance_, seen) * inverse_seen;
-  if (found[0] < -kOtherBoard && -found[0] > kSure * std::sqrt(spread(0, 0))) return true;
+  const double errors = by_views.cwiseProduct(prior_covariance_).sum();
+  const double taken_back = std::min(errors / fields.col(0).dot(seen.col(0)), 1.0);
+  const double lacks = -found[0] - taken_back;
+  if (lacks > kOtherBoard && lacks > kSure * std::sqrt(spread(0, 0))) return true;
   const Eigen::Vector2d bend = found.tail<2>();
   const double bends = bend.dot(spread.bottomRightCorner<2, 2>().inverse() * bend);
   if (bends > kSureBend && bend.norm() > kLeastBend * wide) return true;
