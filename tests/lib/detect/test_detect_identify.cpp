@@ -177,5 +177,26 @@ TEST(Identify, SaysNothingOfWhatIsNoBoard) {
   EXPECT_TRUE(identify_boards(picture.view(), kSide, stopped.get_token()).empty());
 }
 
+// Its next discs would lie at the edge of the paper, which is that of the picture.
+TEST(Identify, CirclesOnPaperThatHasNoMoreRoom) {
+  constexpr int kPitch = 60;
+  constexpr int kMargin = kPitch - 2;
+  constexpr double kRadius = 15;
+  GrayImage page(6 * kPitch + 2 * kMargin + 1, 4 * kPitch + 2 * kMargin + 1);
+  for (int y = 0; y < page.height; ++y) {
+    for (int x = 0; x < page.width; ++x) {
+      const double dx = std::remainder(x - kMargin, kPitch);
+      const double dy = std::remainder(y - kMargin, kPitch);
+      const bool is_among = x > kMargin - kPitch / 2 && x < page.width - kMargin + kPitch / 2 &&
+                            y > kMargin - kPitch / 2 && y < page.height - kMargin + kPitch / 2;
+      const double outside = std::clamp(std::hypot(dx, dy) - kRadius + 0.5, 0.0, 1.0);
+      page.row(y)[x] = static_cast<std::uint8_t>(is_among ? 20 + 200 * outside : 220);
+    }
+  }
+  const auto seen = identify_boards(page.view(), 0.03);
+  ASSERT_EQ(seen.size(), 1U);
+  EXPECT_EQ(seen[0].board.text(), "circles:7x5:30mm");
+}
+
 }  // namespace
 }  // namespace calvin

@@ -301,7 +301,10 @@ void CircleDetector::note_other(const DiscLattice& lattice, bool light) {
       const double x = 2 * e.x - before->x;
       const double y = 2 * e.y - before->y;
       const ImageView& image = pyramid_.level(0);
-      return x >= 0 && y >= 0 && x < image.width && y < image.height;
+      // Of a disc there would be a good part in view: boards are printed to the edge of their
+      // paper.
+      const double beyond = e.radius() / 2;
+      return x >= -beyond && y >= -beyond && x < image.width + beyond && y < image.height + beyond;
     });
   };
   OtherSheet other;
