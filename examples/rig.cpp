@@ -40,7 +40,8 @@ has seen of boards: a video, a folder of pictures, FOLDER/PREFIX* in quotes, or 
 and frames of videos at the same time since the beginning. Of videos the frames count that show a
 board elsewhere than before, and what the other cameras saw at those times.
 
-  --board BOARD   the board in the pictures, checkerboard:9x6:25mm if not given
+  --board BOARD   the board in the pictures, checkerboard:9x6:25mm if not given; of a file of
+                  observations, which has its board, another size of it
   --floor         the board lies still, and every camera has seen it at any time: the frame of the
                   rig is that of the board. Else the board is carried before two cameras or more at
                   a time, and the frame is that of the first camera
@@ -75,7 +76,7 @@ board elsewhere than before, and what the other cameras saw at those times.
 )";
 
 struct Arguments {
-  std::string board = "checkerboard:9x6:25mm";
+  std::string board;  // that of --board; empty: as the views have it
   std::map<std::string, double> starts;  // s, by the name of a camera
   calvin::RigOptions options;
   rig_export::Exports exports;

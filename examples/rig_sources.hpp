@@ -31,7 +31,7 @@
 namespace rig_sources {
 
 struct Options {
-  std::string board;
+  std::string board;                     // that of --board, or empty
   std::map<std::string, double> starts;  // s: when videos were begun, by the name of their camera
   calvin::RigOptions rig;
 };
@@ -75,20 +75,22 @@ inline calvin::Status check_elements() {
   return {};
 }
 
+// `board`: that of --board, or empty.
 inline calvin::Result<Recording> open(std::size_t camera, const std::string& source,
-                                      const std::vector<calvin::Board>& boards) {
+                                      const std::string& board) {
   Recording one{camera, {}, {}, 0};
   if (rig_recording::is_video(source)) {
-    auto video = rig_recording::Video::open(source, boards);
+    const auto boards = calvin::parse_boards(given_board::or_usual(board));
+    if (!boards) return tl::unexpected(boards.error());
+    auto video = rig_recording::Video::open(source, *boards);
     if (!video) return tl::unexpected(video.error());
     one.video = *std::move(video);
     return one;
   }
-  auto views = rig_views::read(source, "");
+  auto views = rig_views::read(source, board);
   if (!views) return tl::unexpected(views.error());
   for (calvin::View& view : *views) {
     if (view.observation.timestamp == calvin::kNoTimestamp) continue;
-    view.observation.board = view.board.text();
     one.observations.push_back(std::move(view.observation));
   }
   std::ranges::stable_sort(one.observations, {}, &calvin::Observation::timestamp);
@@ -246,11 +248,9 @@ inline calvin::Status read(const std::vector<std::string>& sources, const Option
   if (any_video) {
     if (const auto good = check_elements(); !good) return good;
   }
-  const auto boards = calvin::parse_boards(options.board);
-  if (!boards) return tl::unexpected(boards.error());
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     if (any_video && !rig_views::are_pictures(sources[c])) {
-      auto one = open(c, sources[c], *boards);
+      auto one = open(c, sources[c], options.board);
       if (!one) return tl::unexpected(one.error());
       one->later = later[c];
       recordings.push_back(*std::move(one));
@@ -268,7 +268,8 @@ inline calvin::Status read(const std::vector<std::string>& sources, const Option
         calvin::ErrorCode::kNotFound,
         fmt::format("In '{}' ({}) there is no board '{}': see --board, or is it too small or "
                     "blurred?",
-                    sources[one.camera], one.video->summary(), options.board));
+                    sources[one.camera], one.video->summary(),
+                    given_board::or_usual(options.board)));
   }
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const auto of = std::ranges::find(recordings, c, &Recording::camera);

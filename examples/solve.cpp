@@ -40,7 +40,8 @@ Calibrates one camera and writes it to CALIBRATION.json. VIEWS are files of obse
 of calibsolve), folders of pictures, FOLDER/PREFIX* in quotes, or text files of known points and
 where a picture shows them, one file for each picture: a row 'X Y Z u v' for each point.
 
-  --board BOARD      the board in pictures, checkerboard:9x6:25mm if not given
+  --board BOARD      the board in pictures, checkerboard:9x6:25mm if not given; of a file of
+                     observations, which has its board, another size of it
   --size WxH         the pictures' size, px, for rows of points
   --columns C,C,...  what the rows hold: id X Y Z diameter nx ny nz u v sigma, _ for what does not
                      count; -Z turns an axis round, for points of a left-handed frame
@@ -78,7 +79,7 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
 std::string usage() { return fmt::format(kUsage, calvin::join(calvin::method_names(), ", ")); }
 
 struct Arguments {
-  std::string board = "checkerboard:9x6:25mm";
+  std::string board;  // that of --board; empty: as the views have it
   solve_views::RowsOptions rows;
   calvin::SolveOptions options;
   std::string initial;

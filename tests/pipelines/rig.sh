@@ -79,6 +79,17 @@ grep -q 'projection_matrix' ros/left.yaml || fail 'no camera_info of the left ca
 # P of the right camera has -f b: a tenth of a metre.
 tail -n 1 ros/right.yaml | tr -d ',[]' | awk '{ exit !($5 < -0.0995 * $2 && $5 > -0.1005 * $2) }' ||
   fail "the right camera is elsewhere: $(cat ros/right.yaml)"
+# A board that was measured once more, in place of that of the files; another board is refused.
+expect 0 "'left' and 'right': 120.0 mm apart" "$rig" --board 'checkerboard:8x6:1m;checkerboard:9x6:30mm' rig.json \
+  left.json left.jsonl right.json right.jsonl
+grep -q "right.jsonl has views of the board 'checkerboard:9x6:25mm', which is taken as 'checkerboard:9x6:30mm'" out ||
+  fail "another size is not said: $(cat out)"
+expect 0 "'left' and 'right': 100.0 mm apart" "$rig" --board checkerboard:9x6:2.5cm rig.json left.json left.jsonl right.json right.jsonl
+grep -q 'is taken as' out && fail "the same size is no other one: $(cat out)"
+for board in checkerboard:6x9:25mm checkerboard:9x7:25mm circles:9x6:25mm; do
+  expect 1 "left.jsonl' has views of the board 'checkerboard:9x6:25mm', and --board is '$board'" "$rig" --board $board rig.json \
+    left.json left.jsonl right.json right.jsonl
+done
 # The files and folders of other programs.
 expect 0 'apart' "$rig" --export mrcal:models,colmap:model,caliscope:array.toml rig.json \
   left.json left.jsonl right.json right.jsonl
