@@ -32,7 +32,7 @@ namespace rig_sources {
 
 struct Options {
   std::string board;                     // that of --board, or empty
-  std::map<std::string, double> starts;  // s: when videos were begun, by the name of their camera
+  std::map<std::string, double> starts;  // s: when cameras began, by their names
   calvin::RigOptions rig;
 };
 
@@ -226,14 +226,38 @@ inline void print_first_times(const std::vector<Recording>& recordings, const Op
 }
 
 inline calvin::Status check_starts(const std::map<std::string, double>& starts,
+                                   const std::vector<std::string>& sources,
                                    const std::vector<calvin::RigCameraViews>& cameras) {
   for (const auto& [name, seconds] : starts) {
     const auto is_called = [&name](const auto& one) { return one.calibration.camera == name; };
-    if (std::ranges::any_of(cameras, is_called)) continue;
+    const auto camera = std::ranges::find_if(cameras, is_called);
+    if (camera == cameras.end()) {
+      return calvin::make_error(
+          calvin::ErrorCode::kNotFound,
+          fmt::format("No camera is called '{}', of which --start says when it began.", name));
+    }
+    const std::string& source = sources[static_cast<std::size_t>(camera - cameras.begin())];
+    if (!rig_views::are_pictures(source)) continue;
     return calvin::make_error(
-        calvin::ErrorCode::kNotFound,
-        fmt::format("No camera is called '{}', of which --start says when it began.", name));
+        calvin::ErrorCode::kInvalidArgument,
+        fmt::format("--start says when '{}' began, and '{}' are pictures, which belong together by "
+                    "the numbers in their names: it is for videos and files of observations.",
+                    name, source));
   }
+  return {};
+}
+
+// Views of pictures or of a file of observations, which are not looked at in the order of time.
+// `later`: ns, than the clock of all.
+inline calvin::Status read_views(const std::string& source, const std::string& board,
+                                 std::uint64_t later, calvin::RigCameraViews& camera) {
+  auto views = rig_views::read(source, board);
+  if (!views) return tl::unexpected(views.error());
+  for (calvin::View& view : *views) {
+    std::uint64_t& time = view.observation.timestamp;
+    if (time != calvin::kNoTimestamp) time += later;
+  }
+  camera.views = *std::move(views);
   return {};
 }
 
@@ -241,7 +265,7 @@ inline calvin::Status check_starts(const std::map<std::string, double>& starts,
 inline calvin::Status read(const std::vector<std::string>& sources, const Options& options,
                            std::vector<calvin::RigCameraViews>& cameras) {
   if (const auto good = check_clocks(sources, options.rig); !good) return good;
-  if (const auto good = check_starts(options.starts, cameras); !good) return good;
+  if (const auto good = check_starts(options.starts, sources, cameras); !good) return good;
   const bool any_video = std::ranges::any_of(sources, rig_recording::is_video);
   const auto later = later_than_first(cameras, options.starts);
   std::vector<Recording> recordings;
@@ -256,9 +280,8 @@ inline calvin::Status read(const std::vector<std::string>& sources, const Option
       recordings.push_back(*std::move(one));
       continue;
     }
-    auto views = rig_views::read(sources[c], options.board);
-    if (!views) return tl::unexpected(views.error());
-    cameras[c].views = *std::move(views);
+    const auto views = read_views(sources[c], options.board, later[c], cameras[c]);
+    if (!views) return views;
   }
   print_first_times(recordings, options, cameras);
   if (const auto good = select(recordings, options, cameras); !good) return good;

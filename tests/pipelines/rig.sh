@@ -46,6 +46,14 @@ cp rig.json before.json
 expect 1 "'late'" "$rig" rig.json left.json left.jsonl late.json late.jsonl
 cmp -s rig.json before.json || fail 'a failure has touched the file'
 expect 1 "'right'" "$rig" --tolerance 1 rig.json left.json left.jsonl right.json right.jsonl
+# Journals that have times of their own: that of the one that was begun later is taken to the clock of all.
+expect 0 '100.0 mm apart' "$rig" --start left:0.497 rig.json left.json left.jsonl late.json late.jsonl
+grep -q 'up to 3.000 ms apart' out || fail "times: $(cat out)"
+expect 0 '100.0 mm apart' "$rig" --start late:-0.497 rig.json left.json left.jsonl late.json late.jsonl
+expect 1 "'late'" "$rig" --start late:0.497 rig.json left.json left.jsonl late.json late.jsonl
+expect 1 "No camera is called 'top'" "$rig" --start top:1 rig.json left.json left.jsonl late.json late.jsonl
+mkdir pictures
+expect 1 "'pictures' are pictures" "$rig" --start late:1 rig.json left.json left.jsonl late.json pictures
 expect 0 '100.0 mm apart' "$rig" --tolerance 501 rig.json left.json left.jsonl late.json late.jsonl
 expect 0 'was not seen together with another one' "$rig" --fixed-boards rig.json left.json left.jsonl right.json \
   right.jsonl
