@@ -25,6 +25,7 @@
 #include "calvin/rig/solve_rig.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 
+#include "camera_names.hpp"
 #include "rig_recording.hpp"
 #include "rig_views.hpp"
 
@@ -42,6 +43,7 @@ struct Recording {
   std::unique_ptr<rig_recording::Video> video;    // or nullptr
   std::vector<calvin::Observation> observations;  // where there is none
   std::uint64_t later = 0;                        // ns, than the clock of all
+  std::string name;                               // of the camera, as a file of observations has it
 
   [[nodiscard]] bool is_over() const { return video ? video->is_over() : observations.empty(); }
   // By the clock of all.
@@ -78,7 +80,7 @@ inline calvin::Status check_elements() {
 // `board`: that of --board, or empty.
 inline calvin::Result<Recording> open(std::size_t camera, const std::string& source,
                                       const std::string& board) {
-  Recording one{camera, {}, {}, 0};
+  Recording one{camera, {}, {}, 0, {}};
   if (rig_recording::is_video(source)) {
     const auto boards = calvin::parse_boards(given_board::or_usual(board));
     if (!boards) return tl::unexpected(boards.error());
@@ -89,6 +91,7 @@ inline calvin::Result<Recording> open(std::size_t camera, const std::string& sou
   }
   auto views = rig_views::read(source, board);
   if (!views) return tl::unexpected(views.error());
+  one.name = camera_names::name_in(*views);
   for (calvin::View& view : *views) {
     if (view.observation.timestamp == calvin::kNoTimestamp) continue;
     one.observations.push_back(std::move(view.observation));
@@ -261,42 +264,65 @@ inline calvin::Status read_views(const std::string& source, const std::string& b
   return {};
 }
 
-// `sources`: what each camera has seen; their calibrations are there, with their names.
-inline calvin::Status read(const std::vector<std::string>& sources, const Options& options,
-                           std::vector<calvin::RigCameraViews>& cameras) {
-  if (const auto good = check_clocks(sources, options.rig); !good) return good;
-  if (const auto good = check_starts(options.starts, sources, cameras); !good) return good;
+// Opens what is looked at in the order of time, which is all but pictures where a video is there;
+// the views of all others go into `cameras`.
+inline calvin::Result<std::vector<Recording>> open_all(
+    const std::vector<std::string>& sources, const Options& options,
+    std::vector<calvin::RigCameraViews>& cameras) {
   const bool any_video = std::ranges::any_of(sources, rig_recording::is_video);
+  if (any_video) {
+    if (const auto good = check_elements(); !good) return tl::unexpected(good.error());
+  }
   const auto later = later_than_first(cameras, options.starts);
   std::vector<Recording> recordings;
-  if (any_video) {
-    if (const auto good = check_elements(); !good) return good;
-  }
+  std::vector<camera_names::Use> names;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
+    std::string name;
     if (any_video && !rig_views::are_pictures(sources[c])) {
       auto one = open(c, sources[c], options.board);
       if (!one) return tl::unexpected(one.error());
       one->later = later[c];
+      name = one->name;
       recordings.push_back(*std::move(one));
-      continue;
+    } else {
+      const auto views = read_views(sources[c], options.board, later[c], cameras[c]);
+      if (!views) return tl::unexpected(views.error());
+      name = camera_names::name_in(cameras[c].views);
     }
-    const auto views = read_views(sources[c], options.board, later[c], cameras[c]);
-    if (!views) return views;
+    names.push_back({sources[c], std::move(name), cameras[c].calibration.camera});
   }
-  print_first_times(recordings, options, cameras);
-  if (const auto good = select(recordings, options, cameras); !good) return good;
+  const auto theirs = camera_names::check(std::move(names), "with the calibration of");
+  if (!theirs) return tl::unexpected(theirs.error());
+  return recordings;
+}
+
+inline calvin::Status check_found(const std::vector<Recording>& recordings,
+                                  const std::vector<std::string>& sources,
+                                  const std::string& board) {
   for (const Recording& one : recordings) {
     if (!one.video || one.video->has_seen_boards()) continue;
     return calvin::make_error(
         calvin::ErrorCode::kNotFound,
         fmt::format("In '{}' ({}) there is no board '{}': see --board, or is it too small or "
                     "blurred?",
-                    sources[one.camera], one.video->summary(),
-                    given_board::or_usual(options.board)));
+                    sources[one.camera], one.video->summary(), given_board::or_usual(board)));
   }
+  return {};
+}
+
+// `sources`: what each camera has seen; their calibrations are there, with their names.
+inline calvin::Status read(const std::vector<std::string>& sources, const Options& options,
+                           std::vector<calvin::RigCameraViews>& cameras) {
+  if (const auto good = check_clocks(sources, options.rig); !good) return good;
+  if (const auto good = check_starts(options.starts, sources, cameras); !good) return good;
+  auto recordings = open_all(sources, options, cameras);
+  if (!recordings) return tl::unexpected(recordings.error());
+  print_first_times(*recordings, options, cameras);
+  if (const auto good = select(*recordings, options, cameras); !good) return good;
+  if (const auto good = check_found(*recordings, sources, options.board); !good) return good;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const auto of = std::ranges::find(recordings, c, &Recording::camera);
-    print(sources[c], of == recordings.end() ? nullptr : &*of, cameras[c].views.size());
+    const auto of = std::ranges::find(*recordings, c, &Recording::camera);
+    print(sources[c], of == recordings->end() ? nullptr : &*of, cameras[c].views.size());
     if (const auto good = fit_calibration(cameras[c], sources[c]); !good) return good;
   }
   return {};

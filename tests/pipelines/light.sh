@@ -104,6 +104,12 @@ expect 0 'mean error' "$light" --fix aspect,center,p1,p2,k2 --export kalibr:chai
 [ -s chain.yaml ] || fail 'no camchain was written'
 cp rig.json before.json
 expect 1 'three are needed' "$light" rig.json cam0.jsonl cam1.jsonl
+expect 1 "'cam1.json' is of 'cam1', and is given as the calibration of 'cam0': exchange it and 'cam0.json'" "$light" \
+  --calibration cam0=cam1.json --calibration cam1=cam0.json rig.json cam0.jsonl cam1.jsonl
+sed 's/"camera":"cam1"/"camera":"door"/' cam1.json >door.json
+expect 0 "door.json is of 'door', and is given as the calibration of 'cam1'" "$light" --calibration cam0=cam0.json \
+  --calibration cam1=door.json rig.json cam0.jsonl cam1.jsonl
+cp rig.json before.json
 expect 1 "No camera is called 'x'" "$light" --calibration x=cam0.json rig.json cam0.jsonl cam1.jsonl
 sed 's/^\(cam.\) \([^ ]*\) \([^ ]*\) -/\1 \2 \3 /' places.txt >mirrored.txt
 expect 1 'left-handed' "$light" --places mirrored.txt rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl

@@ -70,6 +70,21 @@ grep -q '"world": "board"' rig.json || fail 'the frame is not that of the board'
 expect 1 "none of its cameras" "$rig" --world middle rig.json left.json left.jsonl right.json right.jsonl
 expect 2 "board:x180" "$rig" --world board:x45 rig.json left.json left.jsonl right.json right.jsonl
 
+# Files that name their cameras: each beside the calibration of its own, or of a camera that was renamed.
+for name in left right; do sed "s/{\"timestamp\"/{\"camera\":\"$name\",\"timestamp\"/" $name.jsonl >of_$name.jsonl; done
+expect 0 '100.0 mm apart' "$rig" rig.json left.json of_left.jsonl right.json of_right.jsonl
+grep -q 'is given with' out && fail "there is nothing to say of names: $(cat out)"
+cp rig.json before.json
+expect 1 "'of_right.jsonl' is of 'right', and is given with the calibration of 'left': exchange it and 'of_left.jsonl'" \
+  "$rig" rig.json left.json of_right.jsonl right.json of_left.jsonl
+cmp -s rig.json before.json || fail 'a failure has touched the file'
+sed 's/"camera": "right"/"camera": "top"/' right.json >top.json
+expect 0 "of_right.jsonl is of 'right', and is given with the calibration of 'top'" "$rig" rig.json left.json of_left.jsonl top.json of_right.jsonl
+# What calibdetect calls every camera that has no name tells nothing.
+for name in left right; do sed 's/{"timestamp"/{"camera":"cam0","timestamp"/' $name.jsonl >$name.cam0.jsonl; done
+expect 0 '100.0 mm apart' "$rig" rig.json left.json left.cam0.jsonl right.json right.cam0.jsonl
+grep -q 'is given with' out && fail "a name that all have: $(cat out)"
+
 sed 's/"pinhole"/"brown5"/; s/"cy": 240/"cy": 240, "k1": 0, "k2": 0, "p1": 0, "p2": 0, "k3": 0.001/' left.json >five.json
 
 views left 0 1 1
