@@ -67,6 +67,14 @@ expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.jso
 expect 0 "'left' at -100.0 [-0.0 ]*mm of 'right'" "$rig" --world right rig.json left.json left.jsonl right.json right.jsonl
 expect 0 "mm of 'board' (+-" "$rig" --world board:last:x180 rig.json left.json left.jsonl right.json right.jsonl
 grep -q '"world": "board"' rig.json || fail 'the frame is not that of the board'
+expect 0 "mm of 'board' (+-" "$rig" --world board:11.4 rig.json left.json left.jsonl right.json right.jsonl
+expect 0 "mm of 'board' (+-" "$rig" --world board:0:x180 rig.json left.json left.jsonl right.json right.jsonl
+expect 1 'the board at 9999 s, and the views are from 0.001 s to 11.004 s' "$rig" --world board:9999 rig.json \
+  left.json left.jsonl right.json right.jsonl
+views later_left 0 100001 0
+views later_right 0.1 100004 0
+expect 1 'from 100.001 s to 111.004 s' "$rig" --world board:0 rig.json left.json later_left.jsonl right.json later_right.jsonl
+expect 0 "mm of 'board'" "$rig" --world board rig.json left.json later_left.jsonl right.json later_right.jsonl
 expect 1 "none of its cameras" "$rig" --world middle rig.json left.json left.jsonl right.json right.jsonl
 expect 2 "board:x180" "$rig" --world board:x45 rig.json left.json left.jsonl right.json right.jsonl
 
