@@ -86,6 +86,13 @@ expect 2 'give one of them' "$light" --baseline cam0:cam1:4.983m --places places
 expect 2 'no option, or its value' "$light" --baseline cam0:cam1 rig.json cam0.jsonl cam1.jsonl cam2.jsonl
 expect 2 'no option, or its value' "$light" --baseline cam0:cam1:5m,cam1:cam2:6m rig.json cam0.jsonl cam1.jsonl cam2.jsonl
 expect 0 'measure both' "$light" --wand 156mm+364mm --places places.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+# Places that are in another unit than that of the wand.
+cp rig.json before.json
+awk '{ print $1, 1000 * $2, 1000 * $3, 1000 * $4 }' places.txt >places_mm.txt
+expect 1 'they are in millimetres. Give them in metres' "$light" --wand 150mm+350mm --places places_mm.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+sed -n 1,2p places_mm.txt | awk '{ print $1, $2 / 10, $3 / 10, $4 / 10 }' >places_cm.txt
+expect 1 'they are in centimetres' "$light" --wand 150mm+350mm --places places_cm.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+cmp -s rig.json before.json || fail 'a failure has touched the file'
 for c in 0 1 2 3; do sed 's/"dot"/"wand:150mm+350mm"/' "wand$c.jsonl" >"named$c.jsonl"; done
 expect 0 'Cameras alone see the wand' "$light" rig.json named0.jsonl named1.jsonl named2.jsonl named3.jsonl
 sed 's/"dot"/"wand:150mm+351mm"/' wand1.jsonl >other.jsonl
