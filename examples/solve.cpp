@@ -3,7 +3,6 @@
 
 // calvin-solve [OPTIONS] CALIBRATION.json VIEWS...: one camera from what was seen of boards or of
 // known points, by the search of solve() or by one of the methods of older tools.
-#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <span>
@@ -252,13 +251,11 @@ calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
   auto all = solve_views::read({arguments.words.begin() + 1, arguments.words.end()},
                                arguments.board, rows);
   if (!all) return all;
-  solve_views::NamedViews kept;
-  for (std::size_t i = 0; i < all->size(); ++i) {
-    const auto& drop = arguments.drop;
-    if (std::find(drop.begin(), drop.end(), i) == drop.end()) kept.push_back((*all)[i]);
-  }
-  if (kept.empty()) {
-    return calvin::make_error(calvin::ErrorCode::kNotFound, "There is no view of a board.");
+  auto kept = solve_views::kept_of(*all, arguments.drop);
+  if (kept && kept->empty()) {
+    return calvin::make_error(
+        calvin::ErrorCode::kNotFound,
+        all->empty() ? "There is no view of a board." : "--drop leaves no view of a board.");
   }
   return kept;
 }

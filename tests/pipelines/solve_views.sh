@@ -33,3 +33,35 @@ grep -q '"board": "checkerboard:9x6:30mm"' camera.json || fail "not the board of
 cp camera.json before.json
 expect 1 "and --board is 'circles:7x6:25mm'" "$solve" --board circles:7x6:25mm camera.json views.jsonl
 cmp -s camera.json before.json || fail 'a failure has touched the file'
+
+# A view that is given twice is no other one: the camera and its sigmas stay as they are.
+expect 0 'view 7, 8.000 s: 54 points' "$solve" camera.json views.jsonl
+cp camera.json once.json
+cp views.jsonl copy.jsonl
+expect 0 'view 8, 1.000 s is the same as view 0, 1.000 s, and counts once' "$solve" camera.json views.jsonl copy.jsonl
+[ "$(grep -c 'counts once' out)" = 8 ] || fail "not all copies are said: $(cat out)"
+cmp -s camera.json once.json || fail "copies count: $(diff camera.json once.json)"
+# What is dropped is dropped with its copies, and has to be there.
+expect 0 'view 0, 1.000 s' "$solve" --drop 2,7 camera.json views.jsonl
+cp camera.json dropped.json
+expect 0 'view 10, 3.000 s is the same as view 2' "$solve" --drop 2,7 camera.json views.jsonl copy.jsonl
+cmp -s camera.json dropped.json || fail "copies of what was dropped count: $(diff camera.json dropped.json)"
+expect 1 'no view 77 to --drop: there are 8, numbered from 0 to 7' "$solve" --drop 2,77 camera.json views.jsonl
+expect 1 'no view 8 to --drop' "$solve" --drop 8 camera.json views.jsonl
+expect 1 'leaves no view' "$solve" --drop 0,1,2,3,4,5,6,7 camera.json views.jsonl
+head -1 views.jsonl >none.jsonl
+expect 1 'There is no view of a board' "$solve" camera.json none.jsonl
+expect 1 'There is no view of a board' "$solve" --drop 0 camera.json none.jsonl
+
+# Rows of points, in a file of another name.
+awk 'BEGIN {
+  for (i = 0; i < 60; ++i) {
+    x = 0.1 * sin(7 * i); y = 0.1 * cos(5 * i); z = 0.1 * sin(3 * i + 1)
+    printf "%.9f %.9f %.9f %.4f %.4f\n", x, y, z, 320 + 500 * x / (z + 0.6) + 0.05 * sin(99 * i), 240 + 500 * y / (z + 0.6) + 0.05 * cos(77 * i)
+  }
+}' >box.txt
+cp box.txt copied.txt
+expect 0 'view 0, box.txt' "$solve" --unit m --size 640x480 --model pinhole camera.json box.txt
+cp camera.json once.json
+expect 0 'view 1, copied.txt is the same as view 0, box.txt' "$solve" --unit m --size 640x480 --model pinhole camera.json box.txt copied.txt
+cmp -s camera.json once.json || fail "copies count: $(diff camera.json once.json)"
