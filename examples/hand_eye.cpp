@@ -43,7 +43,8 @@ FOLDER/PREFIX* in quotes, or a file of observations (the journal of calibsolve);
 said that its hand was: a line 'x y z qx qy qz qw' (m) for each picture, in their order, or with the
 name of the picture or its time in front. 12 or 16 numbers are the rows of a matrix.
 
-  --board BOARD     the board in the pictures, checkerboard:9x6:25mm if not given
+  --board BOARD     the board in the pictures, checkerboard:9x6:25mm if not given; of a file of
+                    observations, which has its board, another size of it
   --eye in-hand     the camera is on the hand, the board stands still (if not given)
   --eye to-hand     the camera stands still, the board is on the hand
   --inverted        POSES has hand_from_base; else it has base_from_hand
@@ -61,7 +62,7 @@ name of the picture or its time in front. 12 or 16 numbers are the rows of a mat
 )";
 
 struct Arguments {
-  std::string board = "checkerboard:9x6:25mm";
+  std::string board;  // that of --board; empty: as the views have it
   bool inverted = false;
   calvin::HandEyeOptions options;
   bool is_joint = false;  // --method strobl

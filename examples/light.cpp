@@ -29,6 +29,7 @@
 #include "calvin/rig/solve_light.hpp"
 #include "calvin/target/board.hpp"
 
+#include "camera_names.hpp"
 #include "rig_export.hpp"
 
 namespace {
@@ -222,6 +223,7 @@ calvin::Result<calvin::LightCameras> read_cameras(Arguments& arguments) {
   const std::size_t lights = std::max<std::size_t>(arguments.options.wand.size(), 1);
   auto cameras = calvin::light_cameras(seen, arguments.tolerance, lights);
   if (!cameras) return cameras;
+  std::vector<camera_names::Use> names;
   for (const auto& [name, file] : arguments.calibrations) {
     const auto camera = std::ranges::find(cameras->cameras, name, &calvin::LightCamera::name);
     if (camera == cameras->cameras.end()) {
@@ -232,8 +234,11 @@ calvin::Result<calvin::LightCameras> read_cameras(Arguments& arguments) {
     }
     auto calibration = calvin::read_calibration(file);
     if (!calibration) return tl::unexpected(calibration.error());
+    names.push_back({file, calibration->camera, name});
     camera->calibration = *std::move(calibration);
   }
+  const auto theirs = camera_names::check(std::move(names), "as the calibration of");
+  if (!theirs) return tl::unexpected(theirs.error());
   return cameras;
 }
 

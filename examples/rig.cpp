@@ -3,6 +3,9 @@
 
 // calvin-rig [OPTIONS] RIG.json CALIBRATION VIEWS CALIBRATION VIEWS...: where the cameras of a rig
 // stand, from what each of them has seen of boards.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -40,7 +43,8 @@ has seen of boards: a video, a folder of pictures, FOLDER/PREFIX* in quotes, or 
 and frames of videos at the same time since the beginning. Of videos the frames count that show a
 board elsewhere than before, and what the other cameras saw at those times.
 
-  --board BOARD   the board in the pictures, checkerboard:9x6:25mm if not given
+  --board BOARD   the board in the pictures, checkerboard:9x6:25mm if not given; of a file of
+                  observations, which has its board, another size of it
   --floor         the board lies still, and every camera has seen it at any time: the frame of the
                   rig is that of the board. Else the board is carried before two cameras or more at
                   a time, and the frame is that of the first camera
@@ -75,7 +79,7 @@ board elsewhere than before, and what the other cameras saw at those times.
 )";
 
 struct Arguments {
-  std::string board = "checkerboard:9x6:25mm";
+  std::string board;                     // that of --board; empty: as the views have it
   std::map<std::string, double> starts;  // s, by the name of a camera
   calvin::RigOptions options;
   rig_export::Exports exports;
@@ -208,6 +212,35 @@ void name_cameras(const std::vector<std::string>& files,
   for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].calibration.camera = names[i];
 }
 
+// Whether the board was seen at about the time that --world asks for. The library takes the instant
+// next to it, which of a mistyped time would be the first or the last one.
+calvin::Status check_world_time(const calvin::RigOptions& options,
+                                const std::vector<calvin::RigCameraViews>& cameras) {
+  constexpr double kNanosecond = 1e-9;  // s
+  constexpr double kSlack = 0.5;        // s: a time in whole seconds may be beside the views
+  const bool is_timed = options.mode != calvin::RigMode::kFloor && options.world &&
+                        options.world->camera.empty() && options.world->time;
+  if (!is_timed || std::isinf(*options.world->time)) return {};
+  std::vector<std::uint64_t> times;
+  for (const calvin::RigCameraViews& camera : cameras) {
+    for (const calvin::View& view : camera.views) {
+      const std::uint64_t time = view.observation.timestamp;
+      if (time != calvin::kNoTimestamp) times.push_back(time);
+    }
+  }
+  if (times.empty()) return {};
+  const double first = kNanosecond * static_cast<double>(std::ranges::min(times));
+  const double last = kNanosecond * static_cast<double>(std::ranges::max(times));
+  const double time = *options.world->time;
+  if (time >= first - kSlack && time <= last + kSlack) return {};
+  return calvin::make_error(
+      calvin::ErrorCode::kInvalidArgument,
+      fmt::format(
+          "--world asks for the board at {:g} s, and the views are from {:.3f} s to {:.3f} s "
+          "(of pictures: by their numbers): give a time among these, or board:last.",
+          time, first, last));
+}
+
 // The lenses as RIG.json has them; a remark tells which stay as they were.
 void print_lenses(const calvin::RigSolution& solved, calvin::RigIntrinsics how) {
   if (how == calvin::RigIntrinsics::kHeld) return;
@@ -283,6 +316,8 @@ int main(int argc, char** argv) {
   const auto read = rig_sources::read(
       sources, {arguments->board, arguments->starts, arguments->options}, cameras);
   if (!read) return failed(read.error());
+  const auto timed = check_world_time(arguments->options, cameras);
+  if (!timed) return failed(timed.error());
   auto solved = calvin::solve_rig(cameras, arguments->options);
   if (!solved) return failed(solved.error());
   std::string moved =

@@ -25,14 +25,15 @@
 #include "calvin/rig/solve_rig.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 
+#include "camera_names.hpp"
 #include "rig_recording.hpp"
 #include "rig_views.hpp"
 
 namespace rig_sources {
 
 struct Options {
-  std::string board;
-  std::map<std::string, double> starts;  // s: when videos were begun, by the name of their camera
+  std::string board;                     // that of --board, or empty
+  std::map<std::string, double> starts;  // s: when cameras began, by their names
   calvin::RigOptions rig;
 };
 
@@ -42,6 +43,7 @@ struct Recording {
   std::unique_ptr<rig_recording::Video> video;    // or nullptr
   std::vector<calvin::Observation> observations;  // where there is none
   std::uint64_t later = 0;                        // ns, than the clock of all
+  std::string name;                               // of the camera, as a file of observations has it
 
   [[nodiscard]] bool is_over() const { return video ? video->is_over() : observations.empty(); }
   // By the clock of all.
@@ -75,20 +77,23 @@ inline calvin::Status check_elements() {
   return {};
 }
 
+// `board`: that of --board, or empty.
 inline calvin::Result<Recording> open(std::size_t camera, const std::string& source,
-                                      const std::vector<calvin::Board>& boards) {
-  Recording one{camera, {}, {}, 0};
+                                      const std::string& board) {
+  Recording one{camera, {}, {}, 0, {}};
   if (rig_recording::is_video(source)) {
-    auto video = rig_recording::Video::open(source, boards);
+    const auto boards = calvin::parse_boards(given_board::or_usual(board));
+    if (!boards) return tl::unexpected(boards.error());
+    auto video = rig_recording::Video::open(source, *boards);
     if (!video) return tl::unexpected(video.error());
     one.video = *std::move(video);
     return one;
   }
-  auto views = rig_views::read(source, "");
+  auto views = rig_views::read(source, board);
   if (!views) return tl::unexpected(views.error());
+  one.name = camera_names::name_in(*views);
   for (calvin::View& view : *views) {
     if (view.observation.timestamp == calvin::kNoTimestamp) continue;
-    view.observation.board = view.board.text();
     one.observations.push_back(std::move(view.observation));
   }
   std::ranges::stable_sort(one.observations, {}, &calvin::Observation::timestamp);
@@ -224,13 +229,83 @@ inline void print_first_times(const std::vector<Recording>& recordings, const Op
 }
 
 inline calvin::Status check_starts(const std::map<std::string, double>& starts,
+                                   const std::vector<std::string>& sources,
                                    const std::vector<calvin::RigCameraViews>& cameras) {
   for (const auto& [name, seconds] : starts) {
     const auto is_called = [&name](const auto& one) { return one.calibration.camera == name; };
-    if (std::ranges::any_of(cameras, is_called)) continue;
+    const auto camera = std::ranges::find_if(cameras, is_called);
+    if (camera == cameras.end()) {
+      return calvin::make_error(
+          calvin::ErrorCode::kNotFound,
+          fmt::format("No camera is called '{}', of which --start says when it began.", name));
+    }
+    const std::string& source = sources[static_cast<std::size_t>(camera - cameras.begin())];
+    if (!rig_views::are_pictures(source)) continue;
+    return calvin::make_error(
+        calvin::ErrorCode::kInvalidArgument,
+        fmt::format("--start says when '{}' began, and '{}' are pictures, which belong together by "
+                    "the numbers in their names: it is for videos and files of observations.",
+                    name, source));
+  }
+  return {};
+}
+
+// Views of pictures or of a file of observations, which are not looked at in the order of time.
+// `later`: ns, than the clock of all.
+inline calvin::Status read_views(const std::string& source, const std::string& board,
+                                 std::uint64_t later, calvin::RigCameraViews& camera) {
+  auto views = rig_views::read(source, board);
+  if (!views) return tl::unexpected(views.error());
+  for (calvin::View& view : *views) {
+    std::uint64_t& time = view.observation.timestamp;
+    if (time != calvin::kNoTimestamp) time += later;
+  }
+  camera.views = *std::move(views);
+  return {};
+}
+
+// Opens what is looked at in the order of time, which is all but pictures where a video is there;
+// the views of all others go into `cameras`.
+inline calvin::Result<std::vector<Recording>> open_all(
+    const std::vector<std::string>& sources, const Options& options,
+    std::vector<calvin::RigCameraViews>& cameras) {
+  const bool any_video = std::ranges::any_of(sources, rig_recording::is_video);
+  if (any_video) {
+    if (const auto good = check_elements(); !good) return tl::unexpected(good.error());
+  }
+  const auto later = later_than_first(cameras, options.starts);
+  std::vector<Recording> recordings;
+  std::vector<camera_names::Use> names;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    std::string name;
+    if (any_video && !rig_views::are_pictures(sources[c])) {
+      auto one = open(c, sources[c], options.board);
+      if (!one) return tl::unexpected(one.error());
+      one->later = later[c];
+      name = one->name;
+      recordings.push_back(*std::move(one));
+    } else {
+      const auto views = read_views(sources[c], options.board, later[c], cameras[c]);
+      if (!views) return tl::unexpected(views.error());
+      name = camera_names::name_in(cameras[c].views);
+    }
+    names.push_back({sources[c], std::move(name), cameras[c].calibration.camera});
+  }
+  const auto theirs = camera_names::check(std::move(names), "with the calibration of");
+  if (!theirs) return tl::unexpected(theirs.error());
+  return recordings;
+}
+
+inline calvin::Status check_found(const std::vector<Recording>& recordings,
+                                  const std::vector<std::string>& sources,
+                                  const std::string& board) {
+  for (const Recording& one : recordings) {
+    if (!one.video || one.video->has_seen_boards()) continue;
     return calvin::make_error(
         calvin::ErrorCode::kNotFound,
-        fmt::format("No camera is called '{}', of which --start says when it began.", name));
+        fmt::format("In '{}' ({}) there is no board '{}': see --board, or is it too small or "
+                    "blurred?",
+                    sources[one.camera], one.video->summary(), given_board::or_usual(board)));
   }
   return {};
 }
@@ -239,40 +314,15 @@ inline calvin::Status check_starts(const std::map<std::string, double>& starts,
 inline calvin::Status read(const std::vector<std::string>& sources, const Options& options,
                            std::vector<calvin::RigCameraViews>& cameras) {
   if (const auto good = check_clocks(sources, options.rig); !good) return good;
-  if (const auto good = check_starts(options.starts, cameras); !good) return good;
-  const bool any_video = std::ranges::any_of(sources, rig_recording::is_video);
-  const auto later = later_than_first(cameras, options.starts);
-  std::vector<Recording> recordings;
-  if (any_video) {
-    if (const auto good = check_elements(); !good) return good;
-  }
-  const auto boards = calvin::parse_boards(options.board);
-  if (!boards) return tl::unexpected(boards.error());
+  if (const auto good = check_starts(options.starts, sources, cameras); !good) return good;
+  auto recordings = open_all(sources, options, cameras);
+  if (!recordings) return tl::unexpected(recordings.error());
+  print_first_times(*recordings, options, cameras);
+  if (const auto good = select(*recordings, options, cameras); !good) return good;
+  if (const auto good = check_found(*recordings, sources, options.board); !good) return good;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    if (any_video && !rig_views::are_pictures(sources[c])) {
-      auto one = open(c, sources[c], *boards);
-      if (!one) return tl::unexpected(one.error());
-      one->later = later[c];
-      recordings.push_back(*std::move(one));
-      continue;
-    }
-    auto views = rig_views::read(sources[c], options.board);
-    if (!views) return tl::unexpected(views.error());
-    cameras[c].views = *std::move(views);
-  }
-  print_first_times(recordings, options, cameras);
-  if (const auto good = select(recordings, options, cameras); !good) return good;
-  for (const Recording& one : recordings) {
-    if (!one.video || one.video->has_seen_boards()) continue;
-    return calvin::make_error(
-        calvin::ErrorCode::kNotFound,
-        fmt::format("In '{}' ({}) there is no board '{}': see --board, or is it too small or "
-                    "blurred?",
-                    sources[one.camera], one.video->summary(), options.board));
-  }
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const auto of = std::ranges::find(recordings, c, &Recording::camera);
-    print(sources[c], of == recordings.end() ? nullptr : &*of, cameras[c].views.size());
+    const auto of = std::ranges::find(*recordings, c, &Recording::camera);
+    print(sources[c], of == recordings->end() ? nullptr : &*of, cameras[c].views.size());
     if (const auto good = fit_calibration(cameras[c], sources[c]); !good) return good;
   }
   return {};

@@ -24,6 +24,8 @@
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/solve/view.hpp"
+
+#include "given_board.hpp"
 #ifdef RIG_OPENCV
 #include "read_picture.hpp"
 #endif
@@ -132,24 +134,28 @@ inline calvin::Result<std::vector<calvin::View>> in_pictures(
 #endif
 }
 
-inline calvin::Result<std::vector<calvin::View>> in_observations(const std::string& path) {
+// `board`: that of --board, or empty.
+inline calvin::Result<std::vector<calvin::View>> in_observations(const std::string& path,
+                                                                 const std::string& board) {
   auto file = calvin::read_observations(path);
   if (!file) return tl::unexpected<calvin::Error>(file.error());
+  given_board::BoardsOfFile boards(path, board);
   std::vector<calvin::View> views;
   for (calvin::Observation& seen : file->observations) {
-    const auto board = calvin::parse_boards(seen.board.empty() ? file->board : seen.board);
-    if (!board) return tl::unexpected<calvin::Error>(board.error());
-    if (seen.found()) views.push_back({std::move(seen), board->front()});
+    const auto of = boards.board_of(seen.board.empty() ? file->board : seen.board);
+    if (!of) return tl::unexpected<calvin::Error>(of.error());
+    seen.board = of->text();
+    if (seen.found()) views.push_back({std::move(seen), *of});
   }
   return views;
 }
 
-// Of a folder, a pattern or a file of observations.
+// Of a folder, a pattern or a file of observations; `board`: that of --board, or empty.
 inline calvin::Result<std::vector<calvin::View>> read(const std::string& source,
                                                       const std::string& board,
                                                       OnFound on_found = nullptr) {
-  if (!are_pictures(source)) return in_observations(source);
-  const auto boards = calvin::parse_boards(board);
+  if (!are_pictures(source)) return in_observations(source, board);
+  const auto boards = calvin::parse_boards(given_board::or_usual(board));
   if (!boards) return tl::unexpected<calvin::Error>(boards.error());
   return in_pictures(source, *boards, on_found);
 }

@@ -3,7 +3,6 @@
 
 // calvin-solve [OPTIONS] CALIBRATION.json VIEWS...: one camera from what was seen of boards or of
 // known points, by the search of solve() or by one of the methods of older tools.
-#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <span>
@@ -40,7 +39,8 @@ Calibrates one camera and writes it to CALIBRATION.json. VIEWS are files of obse
 of calibsolve), folders of pictures, FOLDER/PREFIX* in quotes, or text files of known points and
 where a picture shows them, one file for each picture: a row 'X Y Z u v' for each point.
 
-  --board BOARD      the board in pictures, checkerboard:9x6:25mm if not given
+  --board BOARD      the board in pictures, checkerboard:9x6:25mm if not given; of a file of
+                     observations, which has its board, another size of it
   --size WxH         the pictures' size, px, for rows of points
   --columns C,C,...  what the rows hold: id X Y Z diameter nx ny nz u v sigma, _ for what does not
                      count; -Z turns an axis round, for points of a left-handed frame
@@ -78,7 +78,7 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
 std::string usage() { return fmt::format(kUsage, calvin::join(calvin::method_names(), ", ")); }
 
 struct Arguments {
-  std::string board = "checkerboard:9x6:25mm";
+  std::string board;  // that of --board; empty: as the views have it
   solve_views::RowsOptions rows;
   calvin::SolveOptions options;
   std::string initial;
@@ -251,13 +251,11 @@ calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
   auto all = solve_views::read({arguments.words.begin() + 1, arguments.words.end()},
                                arguments.board, rows);
   if (!all) return all;
-  solve_views::NamedViews kept;
-  for (std::size_t i = 0; i < all->size(); ++i) {
-    const auto& drop = arguments.drop;
-    if (std::find(drop.begin(), drop.end(), i) == drop.end()) kept.push_back((*all)[i]);
-  }
-  if (kept.empty()) {
-    return calvin::make_error(calvin::ErrorCode::kNotFound, "There is no view of a board.");
+  auto kept = solve_views::kept_of(*all, arguments.drop);
+  if (kept && kept->empty()) {
+    return calvin::make_error(
+        calvin::ErrorCode::kNotFound,
+        all->empty() ? "There is no view of a board." : "--drop leaves no view of a board.");
   }
   return kept;
 }

@@ -4,6 +4,7 @@
 // calvin-solve: views from files of observations, pictures or rows of points.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -174,6 +175,45 @@ inline calvin::Result<NamedViews> read(const std::vector<std::string>& sources,
     }
   }
   return all;
+}
+
+// Whether two views are one: the same file twice, or copies of a picture. Two pictures never show a
+// board at the very same places.
+inline bool are_same(const calvin::View& a, const calvin::View& b) {
+  const calvin::Observation& one = a.observation;
+  const calvin::Observation& other = b.observation;
+  const auto is_at = [](const calvin::Pixel& p, const calvin::Pixel& q) {
+    return p.u == q.u && p.v == q.v;
+  };
+  return std::ranges::equal(one.uv, other.uv, is_at) && one.ids == other.ids &&
+         one.image_size == other.image_size && a.board.points() == b.board.points();
+}
+
+// The views without those of the numbers `drop`, and without copies, which would count as if they
+// were measured by themselves and make sigmas too small. Copies of what is dropped go, too.
+inline calvin::Result<NamedViews> kept_of(const NamedViews& all,
+                                          const std::vector<std::size_t>& drop) {
+  for (const std::size_t number : drop) {
+    if (number < all.size() || all.empty()) continue;
+    return calvin::make_error(
+        calvin::ErrorCode::kInvalidArgument,
+        fmt::format("There is no view {} to --drop: there are {}, numbered from 0 to {}.", number,
+                    all.size(), all.size() - 1));
+  }
+  std::vector<std::size_t> different;
+  NamedViews kept;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto first = std::ranges::find_if(
+        different, [&](std::size_t k) { return are_same(all[k].view, all[i].view); });
+    if (first != different.end()) {
+      fmt::print("view {} is the same as view {}, and counts once\n", all[i].name,
+                 all[*first].name);
+      continue;
+    }
+    different.push_back(i);
+    if (std::ranges::find(drop, i) == drop.end()) kept.push_back(all[i]);
+  }
+  return kept;
 }
 
 }  // namespace solve_views

@@ -55,6 +55,9 @@ expect 1 'hand_from_base' "$program" --inverted hand_eye.json camera.json views.
 cmp -s hand_eye.json before.json || fail 'a failure has touched the file'
 expect 0 '^base_from_camera:' "$program" --eye to-hand --inverted hand_eye.json camera.json views.jsonl poses.txt
 expect 0 'worse than was given' "$program" --turn-sigma 0.001 --place-sigma 0.001 hand_eye.json camera.json views.jsonl poses.txt
+expect 0 "is taken as 'checkerboard:9x6:30mm', as --board says" "$program" --board checkerboard:9x6:30mm hand_eye.json camera.json views.jsonl poses.txt
+grep -q 'pitch of the board measures 25.0' out || fail "the board of --board is not taken: $(cat out)"
+expect 1 'leave --board out' "$program" --board checkerboard:8x6:25mm hand_eye.json camera.json views.jsonl poses.txt
 
 run 1 0.99
 expect 0 'pitch of the board measures 24.7' "$program" hand_eye.json camera.json views.jsonl poses.txt

@@ -86,6 +86,13 @@ expect 2 'give one of them' "$light" --baseline cam0:cam1:4.983m --places places
 expect 2 'no option, or its value' "$light" --baseline cam0:cam1 rig.json cam0.jsonl cam1.jsonl cam2.jsonl
 expect 2 'no option, or its value' "$light" --baseline cam0:cam1:5m,cam1:cam2:6m rig.json cam0.jsonl cam1.jsonl cam2.jsonl
 expect 0 'measure both' "$light" --wand 156mm+364mm --places places.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+# Places that are in another unit than that of the wand.
+cp rig.json before.json
+awk '{ print $1, 1000 * $2, 1000 * $3, 1000 * $4 }' places.txt >places_mm.txt
+expect 1 'they are in millimetres. Give them in metres' "$light" --wand 150mm+350mm --places places_mm.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+sed -n 1,2p places_mm.txt | awk '{ print $1, $2 / 10, $3 / 10, $4 / 10 }' >places_cm.txt
+expect 1 'they are in centimetres' "$light" --wand 150mm+350mm --places places_cm.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+cmp -s rig.json before.json || fail 'a failure has touched the file'
 for c in 0 1 2 3; do sed 's/"dot"/"wand:150mm+350mm"/' "wand$c.jsonl" >"named$c.jsonl"; done
 expect 0 'Cameras alone see the wand' "$light" rig.json named0.jsonl named1.jsonl named2.jsonl named3.jsonl
 sed 's/"dot"/"wand:150mm+351mm"/' wand1.jsonl >other.jsonl
@@ -104,6 +111,12 @@ expect 0 'mean error' "$light" --fix aspect,center,p1,p2,k2 --export kalibr:chai
 [ -s chain.yaml ] || fail 'no camchain was written'
 cp rig.json before.json
 expect 1 'three are needed' "$light" rig.json cam0.jsonl cam1.jsonl
+expect 1 "'cam1.json' is of 'cam1', and is given as the calibration of 'cam0': exchange it and 'cam0.json'" "$light" \
+  --calibration cam0=cam1.json --calibration cam1=cam0.json rig.json cam0.jsonl cam1.jsonl
+sed 's/"camera":"cam1"/"camera":"door"/' cam1.json >door.json
+expect 0 "door.json is of 'door', and is given as the calibration of 'cam1'" "$light" --calibration cam0=cam0.json \
+  --calibration cam1=door.json rig.json cam0.jsonl cam1.jsonl
+cp rig.json before.json
 expect 1 "No camera is called 'x'" "$light" --calibration x=cam0.json rig.json cam0.jsonl cam1.jsonl
 sed 's/^\(cam.\) \([^ ]*\) \([^ ]*\) -/\1 \2 \3 /' places.txt >mirrored.txt
 expect 1 'left-handed' "$light" --places mirrored.txt rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl

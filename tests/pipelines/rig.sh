@@ -46,6 +46,14 @@ cp rig.json before.json
 expect 1 "'late'" "$rig" rig.json left.json left.jsonl late.json late.jsonl
 cmp -s rig.json before.json || fail 'a failure has touched the file'
 expect 1 "'right'" "$rig" --tolerance 1 rig.json left.json left.jsonl right.json right.jsonl
+# Journals that have times of their own: that of the one that was begun later is taken to the clock of all.
+expect 0 '100.0 mm apart' "$rig" --start left:0.497 rig.json left.json left.jsonl late.json late.jsonl
+grep -q 'up to 3.000 ms apart' out || fail "times: $(cat out)"
+expect 0 '100.0 mm apart' "$rig" --start late:-0.497 rig.json left.json left.jsonl late.json late.jsonl
+expect 1 "'late'" "$rig" --start late:0.497 rig.json left.json left.jsonl late.json late.jsonl
+expect 1 "No camera is called 'top'" "$rig" --start top:1 rig.json left.json left.jsonl late.json late.jsonl
+mkdir pictures
+expect 1 "'pictures' are pictures" "$rig" --start late:1 rig.json left.json left.jsonl late.json pictures
 expect 0 '100.0 mm apart' "$rig" --tolerance 501 rig.json left.json left.jsonl late.json late.jsonl
 expect 0 'was not seen together with another one' "$rig" --fixed-boards rig.json left.json left.jsonl right.json \
   right.jsonl
@@ -59,8 +67,31 @@ expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.jso
 expect 0 "'left' at -100.0 [-0.0 ]*mm of 'right'" "$rig" --world right rig.json left.json left.jsonl right.json right.jsonl
 expect 0 "mm of 'board' (+-" "$rig" --world board:last:x180 rig.json left.json left.jsonl right.json right.jsonl
 grep -q '"world": "board"' rig.json || fail 'the frame is not that of the board'
+expect 0 "mm of 'board' (+-" "$rig" --world board:11.4 rig.json left.json left.jsonl right.json right.jsonl
+expect 0 "mm of 'board' (+-" "$rig" --world board:0:x180 rig.json left.json left.jsonl right.json right.jsonl
+expect 1 'the board at 9999 s, and the views are from 0.001 s to 11.004 s' "$rig" --world board:9999 rig.json \
+  left.json left.jsonl right.json right.jsonl
+views later_left 0 100001 0
+views later_right 0.1 100004 0
+expect 1 'from 100.001 s to 111.004 s' "$rig" --world board:0 rig.json left.json later_left.jsonl right.json later_right.jsonl
+expect 0 "mm of 'board'" "$rig" --world board rig.json left.json later_left.jsonl right.json later_right.jsonl
 expect 1 "none of its cameras" "$rig" --world middle rig.json left.json left.jsonl right.json right.jsonl
 expect 2 "board:x180" "$rig" --world board:x45 rig.json left.json left.jsonl right.json right.jsonl
+
+# Files that name their cameras: each beside the calibration of its own, or of a camera that was renamed.
+for name in left right; do sed "s/{\"timestamp\"/{\"camera\":\"$name\",\"timestamp\"/" $name.jsonl >of_$name.jsonl; done
+expect 0 '100.0 mm apart' "$rig" rig.json left.json of_left.jsonl right.json of_right.jsonl
+grep -q 'is given with' out && fail "there is nothing to say of names: $(cat out)"
+cp rig.json before.json
+expect 1 "'of_right.jsonl' is of 'right', and is given with the calibration of 'left': exchange it and 'of_left.jsonl'" \
+  "$rig" rig.json left.json of_right.jsonl right.json of_left.jsonl
+cmp -s rig.json before.json || fail 'a failure has touched the file'
+sed 's/"camera": "right"/"camera": "top"/' right.json >top.json
+expect 0 "of_right.jsonl is of 'right', and is given with the calibration of 'top'" "$rig" rig.json left.json of_left.jsonl top.json of_right.jsonl
+# What calibdetect calls every camera that has no name tells nothing.
+for name in left right; do sed 's/{"timestamp"/{"camera":"cam0","timestamp"/' $name.jsonl >$name.cam0.jsonl; done
+expect 0 '100.0 mm apart' "$rig" rig.json left.json left.cam0.jsonl right.json right.cam0.jsonl
+grep -q 'is given with' out && fail "a name that all have: $(cat out)"
 
 sed 's/"pinhole"/"brown5"/; s/"cy": 240/"cy": 240, "k1": 0, "k2": 0, "p1": 0, "p2": 0, "k3": 0.001/' left.json >five.json
 
@@ -79,6 +110,17 @@ grep -q 'projection_matrix' ros/left.yaml || fail 'no camera_info of the left ca
 # P of the right camera has -f b: a tenth of a metre.
 tail -n 1 ros/right.yaml | tr -d ',[]' | awk '{ exit !($5 < -0.0995 * $2 && $5 > -0.1005 * $2) }' ||
   fail "the right camera is elsewhere: $(cat ros/right.yaml)"
+# A board that was measured once more, in place of that of the files; another board is refused.
+expect 0 "'left' and 'right': 120.0 mm apart" "$rig" --board 'checkerboard:8x6:1m;checkerboard:9x6:30mm' rig.json \
+  left.json left.jsonl right.json right.jsonl
+grep -q "right.jsonl has views of the board 'checkerboard:9x6:25mm', which is taken as 'checkerboard:9x6:30mm'" out ||
+  fail "another size is not said: $(cat out)"
+expect 0 "'left' and 'right': 100.0 mm apart" "$rig" --board checkerboard:9x6:2.5cm rig.json left.json left.jsonl right.json right.jsonl
+grep -q 'is taken as' out && fail "the same size is no other one: $(cat out)"
+for board in checkerboard:6x9:25mm checkerboard:9x7:25mm circles:9x6:25mm; do
+  expect 1 "left.jsonl' has views of the board 'checkerboard:9x6:25mm', and --board is '$board'" "$rig" --board $board rig.json \
+    left.json left.jsonl right.json right.jsonl
+done
 # The files and folders of other programs.
 expect 0 'apart' "$rig" --export mrcal:models,colmap:model,caliscope:array.toml rig.json \
   left.json left.jsonl right.json right.jsonl

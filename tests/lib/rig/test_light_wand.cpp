@@ -249,6 +249,17 @@ TEST(WandRefusals, LightsThatAreSeldomSeenTogether) {
   expect_refused(solve_light(scene.seen, scene.options), "Two lights of the wand were seen");
 }
 
+TEST(WandRefusals, PlacesInMillimetres) {
+  Scene scene = scene_of(4, kTwo);
+  for (const std::size_t known : {4, 2}) {
+    scene.options.places = places_of(scene.room, known);
+    for (CameraPlace& place : scene.options.places) {
+      for (double& x : place.place) x *= 1000;
+    }
+    expect_refused(solve_light(scene.seen, scene.options), "they are in millimetres");
+  }
+}
+
 TEST(WandRefusals, LightsOfNoWand) {
   Scene scene = scene_of(4, kTwo);
   Random random(23);

@@ -7,6 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
@@ -138,13 +141,29 @@ Eigen::MatrixXd by_similarity(Eigen::Index count, const std::vector<Eigen::Index
   return by;
 }
 
-}  // namespace
+// Of a rig that has its unit: places that are as much larger as another unit makes them are in that
+// one, and not in metres.
+Result<Alignment> in_metres(Alignment alignment) {
+  constexpr double kNear = 0.1;  // of the factor: a wand is measured better than that
+  struct Unit {
+    double per_metre;
+    const char* name;
+  };
+  constexpr Unit kUnits[] = {{1000, "millimetres"}, {100, "centimetres"}, {1 / 0.0254, "inches"}};
+  const double scale = alignment.scale_by_places ? alignment.scale_by_places->scale : 1;
+  for (const Unit& unit : kUnits) {
+    if (std::abs(scale / unit.per_metre - 1) > kNear) continue;
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("The known places of the cameras are {:.4g} times as far apart as "
+                    "the wand says: they are in {}. Give them in metres.",
+                    scale, unit.name));
+  }
+  return alignment;
+}
 
-Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
-                        const std::vector<KnownPlace>& places, bool has_unit, double length_sigma) {
-  const Clouds clouds = clouds_of(rig_from_camera, places);
-  if (places.size() >= kFramed) return by_frame(clouds, has_unit);
-  const double length = (places[1].place - places[0].place).norm();
+Result<Alignment> by_length(const Clouds& clouds, double length, bool has_unit,
+                            double length_sigma) {
   const double own = (clouds.rig[1] - clouds.rig[0]).norm();
   if (!(length > 0) || !(own > 0)) return collinear();
   Alignment result;
@@ -155,6 +174,19 @@ Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
     result.world_from_rig.scale = length / own;
   }
   return result;
+}
+
+}  // namespace
+
+Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
+                        const std::vector<KnownPlace>& places, bool has_unit, double length_sigma) {
+  const Clouds clouds = clouds_of(rig_from_camera, places);
+  auto alignment =
+      places.size() >= kFramed
+          ? by_frame(clouds, has_unit)
+          : by_length(clouds, (places[1].place - places[0].place).norm(), has_unit, length_sigma);
+  if (!alignment) return alignment;
+  return in_metres(*std::move(alignment));
 }
 
 Eigen::MatrixXd covariance_by_places(const Eigen::MatrixXd& covariance,

@@ -43,7 +43,8 @@ struct Alignment {
 // `length_sigma`, m: how well the distance between two places is known. Where `has_unit` the rig
 // does not grow: the places give its frame, and two of them nothing. By least squares (S. Umeyama,
 // PAMI 13(4), 1991). kDegenerate where three places or more lie on one line or two are the same;
-// kInvalidArgument where they fit as their own mirror image alone.
+// kInvalidArgument where they fit as their own mirror image alone, or, beside a unit, as lengths in
+// mm, cm or inches.
 [[nodiscard]] Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
                                       const std::vector<KnownPlace>& places, bool has_unit = false,
                                       double length_sigma = 0);
