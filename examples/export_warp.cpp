@@ -18,6 +18,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/settings.hpp"
 #include "export_warp_text.hpp"
+#include "output_files.hpp"
 
 namespace {
 
@@ -166,7 +167,15 @@ Result<Warp> make_warp(const Arguments& arguments) {
   return Warp{std::move(fitted->camera), arguments.view, *std::move(view)};
 }
 
+// Whether the files to write are two and none that is read or holds something of ours.
+calvin::Status check_outputs(const Arguments& arguments) {
+  std::vector<output_files::Output> outputs;
+  for (const std::string& file : arguments.files) outputs.push_back({file, {}});
+  return output_files::check(outputs, {{arguments.calibration}}, kUsage);
+}
+
 int export_all(const Arguments& arguments) {
+  if (const auto good = check_outputs(arguments); !good) return failed(good.error());
   const auto warp = make_warp(arguments);
   if (!warp) return failed(warp.error());
   if (warp->view.limited) {

@@ -26,6 +26,7 @@
 
 #include "hand_eye_joint.hpp"
 #include "hand_eye_match.hpp"
+#include "output_files.hpp"
 #include "rig_views.hpp"
 
 namespace {
@@ -136,6 +137,16 @@ std::string wrong_words(const Arguments& arguments) {
   if (!joint.rig.empty() && cameras == 1) return "--rig takes two cameras or more.";
   if (joint.calibrations.size() > cameras) return "there are more --calibration than cameras.";
   return "";
+}
+
+// Whether the files to write are neither some that are read nor some that hold something else.
+calvin::Status check_outputs(const Arguments& arguments) {
+  std::vector<output_files::Output> outputs = {{arguments.words[0], {output_files::kHandEye}}};
+  for (const std::string& file : arguments.joint.calibrations) {
+    outputs.push_back({file, {output_files::kCalibration}});
+  }
+  if (!arguments.joint.rig.empty()) outputs.push_back({arguments.joint.rig, {output_files::kRig}});
+  return output_files::check(outputs, std::span(arguments.words).subspan(1), kUsage);
 }
 
 // Absent for wrong usage, which was said.
@@ -281,5 +292,6 @@ int main(int argc, char** argv) {
   }
   const auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  if (const auto good = check_outputs(*arguments); !good) return failed(good.error());
   return arguments->is_joint ? run_jointly(*arguments) : run(*arguments);
 }

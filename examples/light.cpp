@@ -29,6 +29,7 @@
 #include "calvin/rig/solve_light.hpp"
 #include "calvin/target/board.hpp"
 
+#include "output_files.hpp"
 #include "rig_export.hpp"
 
 namespace {
@@ -288,7 +289,17 @@ void print(const calvin::LightSolution& solved) {
   for (const std::string& remark : solved.remarks) fmt::print("{}\n", remark);
 }
 
+// Whether the files to write are neither some that are read nor some that hold something else.
+calvin::Status check_outputs(const Arguments& arguments) {
+  std::vector<std::string> inputs(arguments.words.begin() + 1, arguments.words.end());
+  for (const auto& [name, file] : arguments.calibrations) inputs.push_back(file);
+  if (!arguments.places.empty()) inputs.push_back(arguments.places);
+  return output_files::check(rig_export::outputs(arguments.words[0], arguments.exports), inputs,
+                             kUsage);
+}
+
 int run(Arguments arguments) {
+  if (const auto good = check_outputs(arguments); !good) return failed(good.error());
   const auto seen = read_cameras(arguments);
   if (!seen) return failed(seen.error());
   if (seen->left_out > 0) {

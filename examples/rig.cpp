@@ -269,6 +269,10 @@ int main(int argc, char** argv) {
   }
   const auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  const auto good =
+      output_files::check(rig_export::outputs(arguments->words[0], arguments->exports),
+                          std::span(arguments->words).subspan(1), kUsage);
+  if (!good) return failed(good.error());
   std::vector<calvin::RigCameraViews> cameras;
   std::vector<std::string> files;
   std::vector<std::string> sources;

@@ -23,6 +23,7 @@
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/solve.hpp"
 
+#include "output_files.hpp"
 #include "print_calibration.hpp"
 #include "solve_par.hpp"
 #include "solve_print.hpp"
@@ -231,6 +232,19 @@ std::optional<Arguments> parse(std::span<char*> given) {
   return arguments;
 }
 
+// Whether the file to write is neither one that is read nor one that holds something else.
+calvin::Status check_output(const Arguments& arguments) {
+  std::vector<std::string> inputs(arguments.words.begin() + 1, arguments.words.end());
+  for (const std::string& input : {arguments.initial, arguments.rows.points}) {
+    if (!input.empty()) inputs.push_back(input);
+  }
+  output_files::Output output = {arguments.words.front(), {output_files::kCalibration}};
+  if (arguments.options.method == solve_zooming::kMethod) {
+    output.kinds.push_back(output_files::kZoomTable);
+  }
+  return output_files::check({{output}}, inputs, kUsage);
+}
+
 // The views without those to drop.
 calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
   solve_views::RowsOptions rows = arguments.rows;
@@ -294,6 +308,7 @@ int main(int argc, char** argv) {
   }
   auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  if (const auto good = check_output(*arguments); !good) return failed(good.error());
   if (arguments->par.is_given) return run_par(*arguments);
   if (arguments->options.method == solve_zooming::kMethod) return run_zooming(*arguments);
   if (!arguments->initial.empty()) {

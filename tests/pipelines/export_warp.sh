@@ -40,3 +40,11 @@ expect 2 'not an option' "$warp" wide.json dw100 no.bin --pan east
 expect 2 'not an option' "$warp" wide.json dw100 no.bin --output 320
 expect 2 'not an option' "$warp" wide.json dw100 no.bin --fast
 expect 0 'Usage' "$warp" --help
+
+# A map takes no input's place, nor that of the other map or of what calvin-... has written.
+cp wide.json before.json
+cp wide.json other.json
+expect 1 "'./wide.json' is one of the files to read" "$warp" wide.json glsl ./wide.json
+expect 1 "'other.json' holds a calibration, and an export would" "$warp" wide.json glsl other.json
+expect 1 "'x.pgm' is to hold two results" "$warp" $camera ffmpeg x.pgm x.pgm
+cmp -s wide.json before.json && cmp -s other.json before.json || fail 'a refusal has touched a file'

@@ -162,3 +162,14 @@ expect 2 'no option' "$program" --method strobl --fix size hand_eye.json start.j
 expect 2 'of each camera' "$program" --method strobl hand_eye.json start.json left.jsonl right.json poses.txt
 expect 2 'two cameras or more' "$program" --method strobl --rig rig.json hand_eye.json start.json left.jsonl poses.txt
 expect 2 'than cameras' "$program" --method strobl --calibration a.json --calibration b.json hand_eye.json start.json left.jsonl poses.txt
+
+# A result takes no input's place, nor that of what is none.
+cp left.jsonl before.jsonl
+cp start.json before_start.json
+expect 1 "'left.jsonl' is one of the files to read" "$program" left.jsonl start.json left.jsonl poses.txt
+grep -q 'The order is: calvin-hand-eye .OPTIONS. HAND_EYE.json CALIBRATION VIEWS POSES$' out || fail "no order: $(cat out)"
+ln -s start.json link.json
+expect 1 "'link.json' is one of the files to read" "$program" --method strobl --calibration link.json hand_eye.json start.json left.jsonl poses.txt
+expect 1 "'one.json' holds a calibration, and a hand-eye calibration would" "$program" one.json start.json left.jsonl poses.txt
+expect 1 'two results' "$program" --method strobl --calibration new.json --rig new.json hand_eye.json start.json left.jsonl right.json right.jsonl poses.txt
+cmp -s left.jsonl before.jsonl && cmp -s start.json before_start.json || fail 'a refusal has touched a file'

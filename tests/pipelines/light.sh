@@ -111,3 +111,14 @@ expect 1 'nowhere' "$light" --places nowhere rig.json blueccal
 expect 2 'Usage' "$light" rig.json
 expect 2 'Usage' "$light" --tolerance x rig.json blueccal
 cmp -s rig.json before.json || fail 'a failure has touched the file'
+
+# A forgotten output takes no input's place, nor that of what is no rig.
+cp cam0.jsonl before.jsonl
+cp places.txt before.txt
+expect 1 "'cam0.jsonl' holds observations of a board, and a rig would take its place" "$light" cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+grep -q 'The order is: calvin-light .OPTIONS. RIG.json SEEN...$' out || fail "nothing says what comes first: $(cat out)"
+expect 1 "'places.txt' is one of the files to read" "$light" --places places.txt places.txt cam1.jsonl cam2.jsonl cam3.jsonl
+expect 1 "'mirrored.txt' holds something that this tool does not write" "$light" mirrored.txt cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+expect 1 "'cam0.json' holds a calibration" "$light" --export kalibr:cam0.json rig.json blueccal
+expect 1 'two results' "$light" --export kalibr:./rig.json rig.json blueccal
+cmp -s cam0.jsonl before.jsonl && cmp -s places.txt before.txt && cmp -s rig.json before.json || fail 'a refusal has touched a file'
