@@ -19,6 +19,7 @@
 #include "calvin/io/settings.hpp"
 #include "export_warp_text.hpp"
 #include "output_files.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -195,9 +196,7 @@ int export_all(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> words(argv + 1, static_cast<std::size_t>(std::max(0, argc - 1)));
   if (std::any_of(words.begin(), words.end(), [](std::string_view w) { return w == "--help"; })) {
     fmt::print("{}", kUsage);
@@ -206,4 +205,10 @@ int main(int argc, char** argv) {
   Arguments arguments;
   if (const std::string why = parse(words, arguments); !why.empty()) return wrong_usage(why);
   return export_all(arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return calvin_tools::run("calvin-export-warp", run_tool, argc, argv);
 }

@@ -28,6 +28,7 @@
 #include "hand_eye_match.hpp"
 #include "output_files.hpp"
 #include "rig_views.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -282,9 +283,7 @@ int run(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -294,4 +293,10 @@ int main(int argc, char** argv) {
   if (!arguments) return kWrongUsage;
   if (const auto good = check_outputs(*arguments); !good) return failed(good.error());
   return arguments->is_joint ? run_jointly(*arguments) : run(*arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return calvin_tools::run("calvin-hand-eye", run_tool, argc, argv);
 }

@@ -31,6 +31,7 @@
 
 #include "output_files.hpp"
 #include "rig_export.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -328,9 +329,7 @@ int run(Arguments arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -343,3 +342,7 @@ int main(int argc, char** argv) {
   }
   return run(std::move(arguments));
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-light", run_tool, argc, argv); }

@@ -26,6 +26,7 @@
 
 #include "rig_export.hpp"
 #include "rig_sources.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -259,9 +260,7 @@ void print(const calvin::RigSolution& solved, calvin::RigIntrinsics how) {
   for (const std::string& remark : solved.remarks) fmt::print("{}\n", remark);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -302,3 +301,7 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-rig", run_tool, argc, argv); }

@@ -10,8 +10,11 @@
 
 #include "calvin/io/calibration_io.hpp"
 #include "print_calibration.hpp"
+#include "tool_main.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run_tool(int argc, char** argv) {
   const bool help =
       argc == 2 && (std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h");
   if (help || argc < 2 || argc > 3) {
@@ -41,3 +44,7 @@ int main(int argc, char** argv) {
   calvin_tools::print_verdict(*calibration);
   return 0;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-show", run_tool, argc, argv); }

@@ -29,6 +29,7 @@
 #include "solve_print.hpp"
 #include "solve_views.hpp"
 #include "solve_zooming.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -298,9 +299,7 @@ int run_par(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", usage());
@@ -341,3 +340,7 @@ int main(int argc, char** argv) {
   calvin_tools::print_verdict(solution->calibration);
   return 0;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-solve", run_tool, argc, argv); }

@@ -23,6 +23,7 @@
 #include "calvin/solve/uncertainty.hpp"
 
 #include "output_files.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -220,9 +221,7 @@ int write_position(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -232,3 +231,7 @@ int main(int argc, char** argv) {
   if (!arguments) return kWrongUsage;
   return arguments->at ? write_position(*arguments) : make_table(*arguments);
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-zoom", run_tool, argc, argv); }
