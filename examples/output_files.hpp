@@ -23,6 +23,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/document.hpp"
+#include "calvin/io/file_text.hpp"
 
 namespace output_files {
 
@@ -45,6 +46,7 @@ struct Output {
 
 // What JSON calls its format, or the first line of lines of it; empty where that is nothing.
 inline std::string format_in(std::string_view content) {
+  content = calvin::io::without_byte_order_mark(content);
   auto root = calvin::io::parse_json(content);
   if (!root) root = calvin::io::parse_json(content.substr(0, content.find('\n')));
   const auto* format = root ? root->find("format") : nullptr;

@@ -27,8 +27,8 @@ inline int run(const char* name, int (*tool)(int, char**), int argc, char** argv
   }
   if (std::fflush(stdout) != 0 && !lost) lost = {errno, std::generic_category()};
   if (!lost && std::ferror(stdout) == 0) return status;
-  fmt::print(stderr, "{}: Cannot write what it prints: {}. Give the standard output room.\n", name,
-             lost ? lost.message() : "an error of the output");
+  fmt::print(stderr, "{}: Cannot write what it prints: {}. Send it elsewhere, or make room.\n",
+             name, lost ? lost.message() : "an error of the output");
   return status == 0 ? kFailed : status;
 }
 

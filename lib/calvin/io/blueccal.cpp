@@ -16,6 +16,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 
 namespace calvin {
 
@@ -41,7 +42,7 @@ tl::unexpected<Error> malformed(std::string_view name, std::string_view file,
 // NaN for what is no number, as for what was not seen.
 Result<Rows> rows_of(std::string_view text, std::string_view name, std::string_view file) {
   Rows rows;
-  for (const std::string_view line : split(text, '\n')) {
+  for (const std::string_view line : io::lines_of(text)) {
     std::vector<double> row;
     for (const std::string_view word : words_of(line)) {
       const auto number = parse_double(word);
@@ -154,7 +155,7 @@ Result<std::vector<ObservationFile>> parse_blueccal(const BlueCcalText& text,
     if (!read) return tl::unexpected(read.error());
     tables.*rows = *std::move(read);
   }
-  for (const std::string_view line : split(text.names, '\n')) {
+  for (const std::string_view line : io::lines_of(text.names)) {
     if (!trim(line).empty()) tables.names.emplace_back(trim(line));
   }
   if (const Status fits = check(tables, name); !fits) return tl::unexpected(fits.error());

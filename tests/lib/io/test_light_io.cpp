@@ -73,5 +73,20 @@ TEST(CameraPlaces, AreReadLineByLine) {
             std::string::npos);
 }
 
+// Notepad begins a file with it.
+TEST(LightFiles, MayBeginWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const auto places = parse_camera_places(mark + "left 1 2 3\n");
+  ASSERT_TRUE(places.has_value()) << places.error().message;
+  EXPECT_EQ(places->front().camera, "left");
+  const std::string points = mark + kPoints;
+  const std::string visible = mark + kVisible;
+  const std::string sizes = mark + kSizes;
+  const std::string names = mark + "left\nright\n";
+  const auto files = parse_blueccal({points, visible, sizes, names});
+  ASSERT_TRUE(files.has_value()) << files.error().message;
+  EXPECT_EQ(files->front().observations[0].camera, "left");
+}
+
 }  // namespace
 }  // namespace calvin
