@@ -120,6 +120,26 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
   return true;
 }
 
+// What is wrong with an option that was not understood.
+std::string wrong_option(std::string_view option) {
+  struct Wanted {
+    std::string_view option;
+    std::string_view value;
+  };
+  constexpr Wanted kAll[] = {{"--board", "the text of a board, as checkerboard:9x6:25mm"},
+                             {"--eye", "in-hand or to-hand"},
+                             {"--turn-sigma", "a number of degrees, more than 0"},
+                             {"--place-sigma", "a number of mm, more than 0"},
+                             {"--method", "strobl"},
+                             {"--fix", "pitch or aspect"},
+                             {"--calibration", "a file to write"},
+                             {"--rig", "a file to write"}};
+  for (const Wanted& wanted : kAll) {
+    if (wanted.option == option) return fmt::format("{} takes {}.", option, wanted.value);
+  }
+  return fmt::format("'{}' is no option.", option);
+}
+
 // What is wrong with how many files there are, and which; empty where nothing is.
 std::string wrong_words(const Arguments& arguments) {
   const hand_eye_joint::Arguments& joint = arguments.joint;
@@ -162,7 +182,7 @@ std::optional<Arguments> parse(std::span<char*> given) {
     } else if (!word.starts_with("--")) {
       arguments.words.emplace_back(word);
     } else if (i + 1 == given.size() || !set_option(word, given[++i], arguments)) {
-      wrong_usage(fmt::format("'{}' is no option, or needs another value.", word));
+      wrong_usage(wrong_option(word));
       return std::nullopt;
     }
   }
