@@ -151,7 +151,9 @@ int add(std::span<char*> arguments) {
 }
 
 int list(std::span<char*> arguments) {
-  if (arguments.size() != 1) return wrong_usage("list needs a file.");
+  if (arguments.size() != 1) {
+    return wrong_usage(fmt::format("list takes one file, and {} are given.", arguments.size()));
+  }
   const auto boards = calvin::list_boards(arguments[0]);
   if (!boards) return failed(boards.error());
   int status = 0;
