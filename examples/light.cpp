@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -174,7 +175,8 @@ calvin::Result<std::vector<calvin::ObservationFile>> read_files(
     std::span<const std::string> sources) {
   std::vector<calvin::ObservationFile> all;
   for (const std::string& source : sources) {
-    if (calvin::is_blueccal(source)) {
+    std::error_code none;
+    if (std::filesystem::is_directory(source, none)) {
       auto files = calvin::read_blueccal(source);
       if (!files) return files;
       std::ranges::move(*files, std::back_inserter(all));

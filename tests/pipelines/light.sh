@@ -103,6 +103,10 @@ expect 0 "'cam1' at" "$light" --calibration cam0=cam0.json --calibration cam1=ca
 expect 0 'mean error' "$light" --fix aspect,center,p1,p2,k2 --export kalibr:chain.yaml rig.json blueccal
 [ -s chain.yaml ] || fail 'no camchain was written'
 cp rig.json before.json
+mkdir bare
+expect 1 "'bare' cannot be used as what BlueCCal writes: points.dat is missing" "$light" rig.json bare
+cp blueccal/points.dat bare
+expect 1 'Res.dat is missing in it. The folder has to hold points.dat and Res.dat' "$light" rig.json bare
 expect 1 'three are needed' "$light" rig.json cam0.jsonl cam1.jsonl
 expect 1 "No camera is called 'x'" "$light" --calibration x=cam0.json rig.json cam0.jsonl cam1.jsonl
 sed 's/^\(cam.\) \([^ ]*\) \([^ ]*\) -/\1 \2 \3 /' places.txt >mirrored.txt

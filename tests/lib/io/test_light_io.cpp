@@ -56,6 +56,7 @@ TEST(BlueCcal, SaysWhichFileIsWrong) {
   EXPECT_TRUE(has(message({kPoints, "", "", ""}), "Res.dat is not"));
   EXPECT_TRUE(has(message({kPoints, "", kSizes, "one\n"}), "camera_order.txt has 1 names"));
   EXPECT_EQ(read_blueccal("/nowhere").error().code, ErrorCode::kNotFound);
+  EXPECT_NE(read_blueccal("/").error().message.find("points.dat is missing"), std::string::npos);
 }
 
 TEST(CameraPlaces, AreReadLineByLine) {
