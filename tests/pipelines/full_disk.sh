@@ -5,10 +5,12 @@
 # What the example programs print is lost where it goes to a full disk, and they say so. Arguments:
 # the programs.
 set -eu
+start=$PWD
 # shellcheck source=tests/pipelines/program.sh
 . "$(dirname "$0")/program.sh"
 
 for program in "$@"; do
+  program=$(cd "$start" && realpath "$program")
   expect 0 'calvin-' "$program" --help
   name=$(basename "$program")
   expect 1 "^$name: Cannot write what it prints: No space left" sh -c '"$0" --help >/dev/full' "$program"
@@ -21,6 +23,7 @@ cat >a.json <<END
 END
 for program in "$@"; do
   [ "$(basename "$program")" = calvin-compare ] || continue
+  program=$(cd "$start" && realpath "$program")
   "$program" --table 65 a.json a.json >out
   [ "$(wc -c <out)" -gt 8192 ] || fail 'a buffer holds it'
   expect 1 'Cannot write what it prints: No space left' sh -c '"$0" --table 65 a.json a.json >/dev/full' "$program"
