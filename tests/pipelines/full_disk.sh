@@ -4,6 +4,7 @@
 #
 # What the example programs print is lost where it goes to a full disk, and they say so. Arguments:
 # the programs.
+# shellcheck disable=SC2016  # the inner shell expands
 set -eu
 start=$PWD
 # shellcheck source=tests/pipelines/program.sh
