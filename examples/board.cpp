@@ -20,6 +20,7 @@
 
 #include "board_identify.hpp"
 #include "board_measure.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -150,7 +151,9 @@ int add(std::span<char*> arguments) {
 }
 
 int list(std::span<char*> arguments) {
-  if (arguments.size() != 1) return wrong_usage("list needs a file.");
+  if (arguments.size() != 1) {
+    return wrong_usage(fmt::format("list takes one file, and {} are given.", arguments.size()));
+  }
   const auto boards = calvin::list_boards(arguments[0]);
   if (!boards) return failed(boards.error());
   int status = 0;
@@ -208,9 +211,7 @@ int identify(std::span<char*> arguments) {
   return status;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> arguments(argv, static_cast<std::size_t>(argc));
   if (arguments.size() < 2) return wrong_usage("what shall it do?");
   const std::string_view command = arguments[1];
@@ -225,3 +226,7 @@ int main(int argc, char** argv) {
   }
   return wrong_usage(fmt::format("there is no command '{}'.", command));
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-board", run_tool, argc, argv); }

@@ -23,6 +23,7 @@
 #include "calvin/detect/board_identifier.hpp"
 #include "calvin/io/board_names.hpp"
 #include "print_calibration.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -219,9 +220,7 @@ calvin::Status check_board(const std::string& text) {
   return boards ? calvin::Status() : tl::unexpected(boards.error());
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return kUsage;
   if (const calvin::Status board = check_board(options.board); !board) {
@@ -243,4 +242,10 @@ int main(int argc, char** argv) {
   fmt::print("camera.json, and {} as before.png and after.png, are in {}\n", shown.name(),
              options.output.string());
   return options.verdict && !good ? kNotGood : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return calvin_tools::run("calvin-calibrate-images", run_tool, argc, argv);
 }

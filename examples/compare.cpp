@@ -19,6 +19,8 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/solve/difference.hpp"
 
+#include "tool_main.hpp"
+
 namespace {
 
 using calvin::Calibration;
@@ -187,9 +189,7 @@ int compare(const Arguments& arguments) {
   return arguments.limit && all->focus.max > *arguments.limit ? kOther : 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> words(argv + 1, static_cast<std::size_t>(std::max(0, argc - 1)));
   if (std::any_of(words.begin(), words.end(), [](std::string_view w) { return w == "--help"; })) {
     fmt::print("{}", kUsage);
@@ -198,4 +198,10 @@ int main(int argc, char** argv) {
   Arguments arguments;
   if (const std::string why = parse(words, arguments); !why.empty()) return wrong_usage(why);
   return compare(arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return calvin_tools::run("calvin-compare", run_tool, argc, argv);
 }

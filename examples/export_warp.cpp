@@ -18,6 +18,8 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/settings.hpp"
 #include "export_warp_text.hpp"
+#include "output_files.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -71,6 +73,8 @@ constexpr std::string_view kProjections[] = {"rectilinear",   "cylindrical", "eq
                                              "stereographic", "panini",      "fisheye"};
 constexpr std::string_view kAlphaModes[] = {"calvin", "opencv"};
 
+constexpr int kMostPixels = 16384;  // of a side
+
 struct Arguments {
   std::string calibration;
   const Format* format = nullptr;
@@ -89,17 +93,28 @@ int failed(const calvin::Error& error) {
   return 1;
 }
 
+// Whether the text is what an option takes, which is written to the last argument.
 bool take_size(std::string_view text, calvin::ImageSize& size) {
   const auto sides = calvin::split(text, 'x');
   if (sides.size() != 2) return false;
   size = {calvin::parse_int(sides[0]).value_or(0), calvin::parse_int(sides[1]).value_or(0)};
-  return size.width >= 2 && size.height >= 2 && size.width <= 16384 && size.height <= 16384;
+  return size.width >= 2 && size.height >= 2 && size.width <= kMostPixels &&
+         size.height <= kMostPixels;
 }
 
-bool take_number(std::string_view text, double low, double high, double unit, double& value) {
+struct Range {
+  double low;
+  double high;
+  double unit = 1;
+};
+constexpr Range kAlpha = {0, 1};
+constexpr Range kZoom = {0.01, 100};
+constexpr Range kDegrees = {-180, 180, std::numbers::pi / 180};
+
+bool take_number(std::string_view text, const Range& range, double& value) {
   const auto number = calvin::parse_double(text);
-  if (!number || *number < low || *number > high) return false;
-  value = *number * unit;
+  if (!number || *number < range.low || *number > range.high) return false;
+  value = *number * range.unit;
   return true;
 }
 
@@ -110,19 +125,52 @@ bool take_name(std::string_view text, std::span<const std::string_view> names, E
   return it != names.end();
 }
 
-// Whether there is such an option with such a value.
-bool take_option(std::string_view name, std::string_view value, Arguments& a) {
-  constexpr double kDegree = std::numbers::pi / 180;
-  if (name == "--input") return take_size(value, a.input);
-  if (name == "--output") return take_size(value, a.view.output);
-  if (name == "--alpha") return take_number(value, 0, 1, 1, a.view.alpha);
-  if (name == "--alpha-mode") return take_name(value, kAlphaModes, a.view.alpha_mode);
-  if (name == "--zoom") return take_number(value, 0.01, 100, 1, a.view.zoom);
-  if (name == "--pan") return take_number(value, -180, 180, kDegree, a.view.pan);
-  if (name == "--tilt") return take_number(value, -180, 180, kDegree, a.view.tilt);
-  if (name == "--roll") return take_number(value, -180, 180, kDegree, a.view.roll);
-  if (name == "--projection") return take_name(value, kProjections, a.view.projection);
-  return false;
+std::string wanted_size() { return fmt::format("WxH, 2x2 to {0}x{0} px", kMostPixels); }
+std::string wanted_number(const Range& range) {
+  return fmt::format("a number from {} to {}", range.low, range.high);
+}
+std::string wanted_name(std::span<const std::string_view> names) {
+  return "one of " + calvin::join(names, ", ");
+}
+
+// An option: what it takes, in words, and whether a value is that, which is kept then.
+struct Option {
+  std::string_view name;
+  std::string wanted;
+  bool (*take)(std::string_view value, Arguments& to);
+};
+const std::vector<Option>& options() {
+  using Text = std::string_view;
+  using A = Arguments;
+  static const std::vector<Option> kOptions = {
+      {"--input", wanted_size(), [](Text v, A& to) { return take_size(v, to.input); }},
+      {"--output", wanted_size(), [](Text v, A& to) { return take_size(v, to.view.output); }},
+      {"--alpha", wanted_number(kAlpha),
+       [](Text v, A& to) { return take_number(v, kAlpha, to.view.alpha); }},
+      {"--alpha-mode", wanted_name(kAlphaModes),
+       [](Text v, A& to) { return take_name(v, kAlphaModes, to.view.alpha_mode); }},
+      {"--zoom", wanted_number(kZoom),
+       [](Text v, A& to) { return take_number(v, kZoom, to.view.zoom); }},
+      {"--pan", wanted_number(kDegrees),
+       [](Text v, A& to) { return take_number(v, kDegrees, to.view.pan); }},
+      {"--tilt", wanted_number(kDegrees),
+       [](Text v, A& to) { return take_number(v, kDegrees, to.view.tilt); }},
+      {"--roll", wanted_number(kDegrees),
+       [](Text v, A& to) { return take_number(v, kDegrees, to.view.roll); }},
+      {"--projection", wanted_name(kProjections),
+       [](Text v, A& to) { return take_name(v, kProjections, to.view.projection); }},
+  };
+  return kOptions;
+}
+
+// What is wrong with an option and its value; empty where nothing is.
+std::string take_option(std::string_view name, std::string_view value, Arguments& arguments) {
+  for (const Option& option : options()) {
+    if (option.name != name) continue;
+    if (option.take(value, arguments)) return "";
+    return fmt::format("{} takes {}, not '{}'.", name, option.wanted, value);
+  }
+  return fmt::format("'{}' is not an option.", name);
 }
 
 // What is wrong with the arguments; empty where nothing is.
@@ -135,9 +183,7 @@ std::string parse(std::span<char* const> words, Arguments& arguments) {
       continue;
     }
     const std::string_view value = i + 1 < words.size() ? words[++i] : std::string_view();
-    if (!take_option(word, value, arguments)) {
-      return fmt::format("'{} {}' is not an option.", word, value);
-    }
+    if (std::string why = take_option(word, value, arguments); !why.empty()) return why;
   }
   if (rest.size() < 2) return "a calibration and a format are needed.";
   arguments.calibration = rest[0];
@@ -166,7 +212,15 @@ Result<Warp> make_warp(const Arguments& arguments) {
   return Warp{std::move(fitted->camera), arguments.view, *std::move(view)};
 }
 
+// Whether the files to write are two and none that is read or holds something of ours.
+calvin::Status check_outputs(const Arguments& arguments) {
+  std::vector<output_files::Output> outputs;
+  for (const std::string& file : arguments.files) outputs.push_back({file, {}});
+  return output_files::check(outputs, {{arguments.calibration}}, kUsage);
+}
+
 int export_all(const Arguments& arguments) {
+  if (const auto good = check_outputs(arguments); !good) return failed(good.error());
   const auto warp = make_warp(arguments);
   if (!warp) return failed(warp.error());
   if (warp->view.limited) {
@@ -186,9 +240,7 @@ int export_all(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> words(argv + 1, static_cast<std::size_t>(std::max(0, argc - 1)));
   if (std::any_of(words.begin(), words.end(), [](std::string_view w) { return w == "--help"; })) {
     fmt::print("{}", kUsage);
@@ -197,4 +249,10 @@ int main(int argc, char** argv) {
   Arguments arguments;
   if (const std::string why = parse(words, arguments); !why.empty()) return wrong_usage(why);
   return export_all(arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return calvin_tools::run("calvin-export-warp", run_tool, argc, argv);
 }

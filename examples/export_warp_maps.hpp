@@ -70,7 +70,8 @@ inline std::string dw100(const Warp& warp) {
 }
 
 // ffmpeg's remap filter: the nearest column (or row) of the source for each pixel, as PGM of 16
-// bits. 65535, which is outside of every source, where there is none.
+// bits. 65535, which is outside of every source, where there is none: pixels reach half a pixel
+// beyond their centres, so that a view whose edge is that of the source is whole.
 inline std::string ffmpeg_map(const Warp& warp, bool rows) {
   const calvin::ImageSize out = warp.output();
   const calvin::ImageSize in = warp.input();
@@ -78,8 +79,8 @@ inline std::string ffmpeg_map(const Warp& warp, bool rows) {
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
       const auto place = warp.place(x, y);
-      const bool inside = place && place->u >= 0 && place->v >= 0 && place->u <= in.width - 1 &&
-                          place->v <= in.height - 1;
+      const bool inside = place && place->u > -0.5 && place->v > -0.5 &&
+                          place->u < in.width - 0.5 && place->v < in.height - 0.5;
       const long nearest = inside ? std::lround(rows ? place->v : place->u) : 65535;
       bytes += static_cast<char>(nearest >> 8);
       bytes += static_cast<char>(nearest & 255);

@@ -26,7 +26,9 @@
 
 #include "hand_eye_joint.hpp"
 #include "hand_eye_match.hpp"
+#include "output_files.hpp"
 #include "rig_views.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -119,6 +121,26 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
   return true;
 }
 
+// What is wrong with an option that was not understood.
+std::string wrong_option(std::string_view option) {
+  struct Wanted {
+    std::string_view option;
+    std::string_view value;
+  };
+  constexpr Wanted kAll[] = {{"--board", "the text of a board, as checkerboard:9x6:25mm"},
+                             {"--eye", "in-hand or to-hand"},
+                             {"--turn-sigma", "a number of degrees, more than 0"},
+                             {"--place-sigma", "a number of mm, more than 0"},
+                             {"--method", "strobl"},
+                             {"--fix", "pitch or aspect"},
+                             {"--calibration", "a file to write"},
+                             {"--rig", "a file to write"}};
+  for (const Wanted& wanted : kAll) {
+    if (wanted.option == option) return fmt::format("{} takes {}.", option, wanted.value);
+  }
+  return fmt::format("'{}' is no option.", option);
+}
+
 // What is wrong with how many files there are, and which; empty where nothing is.
 std::string wrong_words(const Arguments& arguments) {
   const hand_eye_joint::Arguments& joint = arguments.joint;
@@ -139,6 +161,16 @@ std::string wrong_words(const Arguments& arguments) {
   return "";
 }
 
+// Whether the files to write are neither some that are read nor some that hold something else.
+calvin::Status check_outputs(const Arguments& arguments) {
+  std::vector<output_files::Output> outputs = {{arguments.words[0], {output_files::kHandEye}}};
+  for (const std::string& file : arguments.joint.calibrations) {
+    outputs.push_back({file, {output_files::kCalibration}});
+  }
+  if (!arguments.joint.rig.empty()) outputs.push_back({arguments.joint.rig, {output_files::kRig}});
+  return output_files::check(outputs, std::span(arguments.words).subspan(1), kUsage);
+}
+
 // Absent for wrong usage, which was said.
 std::optional<Arguments> parse(std::span<char*> given) {
   Arguments arguments;
@@ -151,7 +183,7 @@ std::optional<Arguments> parse(std::span<char*> given) {
     } else if (!word.starts_with("--")) {
       arguments.words.emplace_back(word);
     } else if (i + 1 == given.size() || !set_option(word, given[++i], arguments)) {
-      wrong_usage(fmt::format("'{}' is no option, or needs another value.", word));
+      wrong_usage(wrong_option(word));
       return std::nullopt;
     }
   }
@@ -272,9 +304,7 @@ int run(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -282,5 +312,12 @@ int main(int argc, char** argv) {
   }
   const auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  if (const auto good = check_outputs(*arguments); !good) return failed(good.error());
   return arguments->is_joint ? run_jointly(*arguments) : run(*arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return calvin_tools::run("calvin-hand-eye", run_tool, argc, argv);
 }

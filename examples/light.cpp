@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -30,7 +31,9 @@
 #include "calvin/target/board.hpp"
 
 #include "camera_names.hpp"
+#include "output_files.hpp"
 #include "rig_export.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -173,7 +176,8 @@ calvin::Result<std::vector<calvin::ObservationFile>> read_files(
     std::span<const std::string> sources) {
   std::vector<calvin::ObservationFile> all;
   for (const std::string& source : sources) {
-    if (calvin::is_blueccal(source)) {
+    std::error_code none;
+    if (std::filesystem::is_directory(source, none)) {
       auto files = calvin::read_blueccal(source);
       if (!files) return files;
       std::ranges::move(*files, std::back_inserter(all));
@@ -293,7 +297,17 @@ void print(const calvin::LightSolution& solved) {
   for (const std::string& remark : solved.remarks) fmt::print("{}\n", remark);
 }
 
+// Whether the files to write are neither some that are read nor some that hold something else.
+calvin::Status check_outputs(const Arguments& arguments) {
+  std::vector<std::string> inputs(arguments.words.begin() + 1, arguments.words.end());
+  for (const auto& [name, file] : arguments.calibrations) inputs.push_back(file);
+  if (!arguments.places.empty()) inputs.push_back(arguments.places);
+  return output_files::check(rig_export::outputs(arguments.words[0], arguments.exports), inputs,
+                             kUsage);
+}
+
 int run(Arguments arguments) {
+  if (const auto good = check_outputs(arguments); !good) return failed(good.error());
   const auto seen = read_cameras(arguments);
   if (!seen) return failed(seen.error());
   if (seen->left_out > 0) {
@@ -322,9 +336,7 @@ int run(Arguments arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -337,3 +349,7 @@ int main(int argc, char** argv) {
   }
   return run(std::move(arguments));
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-light", run_tool, argc, argv); }

@@ -53,13 +53,25 @@ inline void print_accuracy(const calvin::Calibration& c) {
   for (const std::string& remark : c.remarks) fmt::print("{}\n", remark);
 }
 
+// Of which camera and model the other one is, whose parameters are beside those of `c`.
+inline void print_other(const calvin::Calibration& c, const calvin::Calibration& other) {
+  fmt::print("beside {} {}x{}, model {}\n", other.camera.empty() ? "camera" : other.camera,
+             other.image_size.width, other.image_size.height, other.model);
+  if (c.model == other.model) return;
+  fmt::print(
+      "Parameters of two models can have one name and mean different things: calvin-compare tells "
+      "how far the two are apart in the picture.\n");
+}
+
 // `other` beside it.
 inline void print(const calvin::Calibration& c, const calvin::Calibration* other = nullptr) {
   fmt::print("{} {}x{}, model {}", c.camera.empty() ? "camera" : c.camera, c.image_size.width,
              c.image_size.height, c.model);
   if (!c.views.empty()) fmt::print(", {} views", c.views.size());
   if (!c.board.empty()) fmt::print(" of {}", c.board);
-  fmt::print("\n{:<6} {:>12} {:>12}", "", "value", "sigma");
+  fmt::print("\n");
+  if (other != nullptr) print_other(c, *other);
+  fmt::print("{:<6} {:>12} {:>12}", "", "value", "sigma");
   if (other != nullptr) fmt::print(" {:>12} {:>8}", "other", "sigmas");
   fmt::print("\n");
   for (const calvin::Parameter& p : c.parameters) print_row(p, other);

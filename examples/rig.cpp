@@ -29,6 +29,7 @@
 
 #include "rig_export.hpp"
 #include "rig_sources.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -292,9 +293,40 @@ void print(const calvin::RigSolution& solved, calvin::RigIntrinsics how) {
   for (const std::string& remark : solved.remarks) fmt::print("{}\n", remark);
 }
 
-}  // namespace
+int run(const Arguments& arguments) {
+  std::vector<calvin::RigCameraViews> cameras;
+  std::vector<std::string> files;
+  std::vector<std::string> sources;
+  for (std::size_t i = 1; i + 1 < arguments.words.size(); i += 2) {
+    auto calibration = calvin::read_calibration(arguments.words[i]);
+    if (!calibration) return failed(calibration.error());
+    cameras.push_back({*std::move(calibration), {}});
+    files.push_back(arguments.words[i]);
+    sources.push_back(arguments.words[i + 1]);
+  }
+  name_cameras(files, cameras);
+  const auto read =
+      rig_sources::read(sources, {arguments.board, arguments.starts, arguments.options}, cameras);
+  if (!read) return failed(read.error());
+  const auto timed = check_world_time(arguments.options, cameras);
+  if (!timed) return failed(timed.error());
+  auto solved = calvin::solve_rig(cameras, arguments.options);
+  if (!solved) return failed(solved.error());
+  std::string moved =
+      calvin::moved_cameras(calvin::views_of_rig(solved->rig, cameras), arguments.options);
+  if (!moved.empty()) solved->remarks.push_back(std::move(moved));
+  if (const auto written = calvin::write_rig(arguments.words[0], solved->rig); !written) {
+    return failed(written.error());
+  }
+  print(*solved, arguments.options.intrinsics);
+  for (const calvin::RigExport& to : arguments.exports) {
+    const auto written = rig_export::write(solved->rig, to);
+    if (!written) return failed(written.error());
+  }
+  return 0;
+}
 
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -302,34 +334,13 @@ int main(int argc, char** argv) {
   }
   const auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
-  std::vector<calvin::RigCameraViews> cameras;
-  std::vector<std::string> files;
-  std::vector<std::string> sources;
-  for (std::size_t i = 1; i + 1 < arguments->words.size(); i += 2) {
-    auto calibration = calvin::read_calibration(arguments->words[i]);
-    if (!calibration) return failed(calibration.error());
-    cameras.push_back({*std::move(calibration), {}});
-    files.push_back(arguments->words[i]);
-    sources.push_back(arguments->words[i + 1]);
-  }
-  name_cameras(files, cameras);
-  const auto read = rig_sources::read(
-      sources, {arguments->board, arguments->starts, arguments->options}, cameras);
-  if (!read) return failed(read.error());
-  const auto timed = check_world_time(arguments->options, cameras);
-  if (!timed) return failed(timed.error());
-  auto solved = calvin::solve_rig(cameras, arguments->options);
-  if (!solved) return failed(solved.error());
-  std::string moved =
-      calvin::moved_cameras(calvin::views_of_rig(solved->rig, cameras), arguments->options);
-  if (!moved.empty()) solved->remarks.push_back(std::move(moved));
-  if (const auto written = calvin::write_rig(arguments->words[0], solved->rig); !written) {
-    return failed(written.error());
-  }
-  print(*solved, arguments->options.intrinsics);
-  for (const calvin::RigExport& to : arguments->exports) {
-    const auto written = rig_export::write(solved->rig, to);
-    if (!written) return failed(written.error());
-  }
-  return 0;
+  const auto good =
+      output_files::check(rig_export::outputs(arguments->words[0], arguments->exports),
+                          std::span(arguments->words).subspan(1), kUsage);
+  if (!good) return failed(good.error());
+  return run(*arguments);
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-rig", run_tool, argc, argv); }

@@ -18,6 +18,8 @@
 #include "calvin/draw/scene/scene_gltf.hpp"
 #include "calvin/session/rig/rig_exports.hpp"
 
+#include "output_files.hpp"
+
 namespace rig_export {
 
 // The scene of calibview is an export here, too.
@@ -47,6 +49,16 @@ inline bool parse(std::string_view text, Exports& exports) {
 inline calvin::Status write(const calvin::Rig& rig, const calvin::RigExport& to) {
   if (to.format != "gltf") return calvin::write_rig_export(to, rig);
   return calvin::write_file(to.path, calvin::print_glb(calvin::make_scene(rig)));
+}
+
+// The file of the rig and all further ones.
+inline std::vector<output_files::Output> outputs(const std::string& rig, const Exports& exports) {
+  std::vector<output_files::Output> all = {{rig, {output_files::kRig}}};
+  for (const calvin::RigExport& to : exports) {
+    all.push_back({to.path, {}});
+    if (to.format == "calvin") all.back().kinds.push_back(output_files::kRig);
+  }
+  return all;
 }
 
 // " (+-0.1 0.1 0.4)", of the place of a camera that is not the frame itself.

@@ -10,8 +10,30 @@
 
 #include "calvin/io/calibration_io.hpp"
 #include "print_calibration.hpp"
+#include "tool_main.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+constexpr int kFailed = 1;
+
+int failed(const calvin::Error& error) {
+  fmt::print(stderr, "calvin-show: {}\n", error.message);
+  return kFailed;
+}
+
+// Whether parameters in px can be held against each other. OpenCV's files need not tell their size.
+calvin::Status check_sizes(const calvin::Calibration& a, const calvin::Calibration& b) {
+  const calvin::ImageSize none = {};
+  if (a.image_size == b.image_size || a.image_size == none || b.image_size == none) return {};
+  return calvin::make_error(
+      calvin::ErrorCode::kInvalidArgument,
+      fmt::format("The calibrations are for images of {}x{} and {}x{} px, whose parameters cannot "
+                  "be compared. 'calvin-compare --scale' compares them in the picture.",
+                  a.image_size.width, a.image_size.height, b.image_size.width,
+                  b.image_size.height));
+}
+
+int run_tool(int argc, char** argv) {
   const bool help =
       argc == 2 && (std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h");
   if (help || argc < 2 || argc > 3) {
@@ -23,21 +45,20 @@ int main(int argc, char** argv) {
     return help ? 0 : 2;
   }
   const auto calibration = calvin::read_calibration(argv[1]);
-  if (!calibration) {
-    fmt::print(stderr, "{}\n", calibration.error().message);
-    return 1;
-  }
+  if (!calibration) return failed(calibration.error());
   if (argc == 2) {
     calvin_tools::print(*calibration);
     calvin_tools::print_verdict(*calibration);
     return 0;
   }
   const auto other = calvin::read_calibration(argv[2]);
-  if (!other) {
-    fmt::print(stderr, "{}\n", other.error().message);
-    return 1;
-  }
+  if (!other) return failed(other.error());
+  if (const auto alike = check_sizes(*calibration, *other); !alike) return failed(alike.error());
   calvin_tools::print(*calibration, &*other);
   calvin_tools::print_verdict(*calibration);
   return 0;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-show", run_tool, argc, argv); }

@@ -22,11 +22,13 @@
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/solve.hpp"
 
+#include "output_files.hpp"
 #include "print_calibration.hpp"
 #include "solve_par.hpp"
 #include "solve_print.hpp"
 #include "solve_views.hpp"
 #include "solve_zooming.hpp"
+#include "tool_main.hpp"
 
 namespace {
 
@@ -231,6 +233,19 @@ std::optional<Arguments> parse(std::span<char*> given) {
   return arguments;
 }
 
+// Whether the file to write is neither one that is read nor one that holds something else.
+calvin::Status check_output(const Arguments& arguments) {
+  std::vector<std::string> inputs(arguments.words.begin() + 1, arguments.words.end());
+  for (const std::string& input : {arguments.initial, arguments.rows.points}) {
+    if (!input.empty()) inputs.push_back(input);
+  }
+  output_files::Output output = {arguments.words.front(), {output_files::kCalibration}};
+  if (arguments.options.method == solve_zooming::kMethod) {
+    output.kinds.push_back(output_files::kZoomTable);
+  }
+  return output_files::check({{output}}, inputs, kUsage);
+}
+
 // The views without those to drop.
 calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
   solve_views::RowsOptions rows = arguments.rows;
@@ -282,45 +297,58 @@ int run_par(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
+// `views` as they were solved.
+void print(const Arguments& arguments, const calvin::Solution& solution,
+           std::vector<calvin::View> views, const solve_views::NamedViews& named) {
+  calvin_tools::print(solution.calibration);
+  if (arguments.pitch) solve_print::print_on_sensor(solution.calibration, *arguments.pitch);
+  if (arguments.options.ellipse_centers) {
+    const bool own = calvin::own_least_squares(arguments.options).has_value();
+    views = calvin::without_center_bias(views, solution,
+                                        own ? calvin::conic_bias : calvin::center_bias);
+  }
+  if (arguments.runs > 1) calvin::refine_with_camera(views, solution);
+  solve_print::print_views(solution, views, named, calvin::is_refined(arguments.options.method));
+  solve_print::print_straightness(views, solution);
+  calvin_tools::print_verdict(solution.calibration);
+}
 
-int main(int argc, char** argv) {
+int run(Arguments arguments) {
+  if (!arguments.initial.empty()) {
+    auto initial = calvin::read_calibration(arguments.initial);
+    if (!initial) return failed(initial.error());
+    arguments.options.initial = *std::move(initial);
+  }
+  if (const auto known = calvin::check(arguments.options); !known) return failed(known.error());
+  const auto named = views_of(arguments);
+  if (!named) return failed(named.error());
+  std::vector<calvin::View> views;
+  for (const auto& view : *named) views.push_back(view.view);
+  const auto solution = calvin::solve_in_runs(views, views.front().observation.image_size,
+                                              arguments.options, arguments.runs);
+  if (!solution) return failed(solution.error());
+  const auto& file = arguments.words.front();
+  if (const auto written = calvin::write_calibration(file, solution->calibration); !written) {
+    return failed(written.error());
+  }
+  print(arguments, *solution, std::move(views), *named);
+  return 0;
+}
+
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", usage());
     return 0;
   }
-  auto arguments = parse(given);
+  const auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  if (const auto good = check_output(*arguments); !good) return failed(good.error());
   if (arguments->par.is_given) return run_par(*arguments);
   if (arguments->options.method == solve_zooming::kMethod) return run_zooming(*arguments);
-  if (!arguments->initial.empty()) {
-    auto initial = calvin::read_calibration(arguments->initial);
-    if (!initial) return failed(initial.error());
-    arguments->options.initial = *std::move(initial);
-  }
-  if (const auto known = calvin::check(arguments->options); !known) return failed(known.error());
-  const auto named = views_of(*arguments);
-  if (!named) return failed(named.error());
-  std::vector<calvin::View> views;
-  for (const auto& view : *named) views.push_back(view.view);
-  const auto solution = calvin::solve_in_runs(views, views.front().observation.image_size,
-                                              arguments->options, arguments->runs);
-  if (!solution) return failed(solution.error());
-  const auto& file = arguments->words.front();
-  if (const auto written = calvin::write_calibration(file, solution->calibration); !written) {
-    return failed(written.error());
-  }
-  calvin_tools::print(solution->calibration);
-  if (arguments->pitch) solve_print::print_on_sensor(solution->calibration, *arguments->pitch);
-  if (arguments->options.ellipse_centers) {
-    const bool own = calvin::own_least_squares(arguments->options).has_value();
-    views = calvin::without_center_bias(views, *solution,
-                                        own ? calvin::conic_bias : calvin::center_bias);
-  }
-  if (arguments->runs > 1) calvin::refine_with_camera(views, *solution);
-  solve_print::print_views(*solution, views, *named, calvin::is_refined(arguments->options.method));
-  solve_print::print_straightness(views, *solution);
-  calvin_tools::print_verdict(solution->calibration);
-  return 0;
+  return run(*arguments);
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-solve", run_tool, argc, argv); }

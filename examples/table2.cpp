@@ -21,6 +21,7 @@
 #ifdef TABLE2_OPENCV
 #include "table2_opencv.hpp"
 #endif
+#include "tool_main.hpp"
 
 namespace {
 
@@ -281,9 +282,7 @@ int run(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> words(argv + 1, static_cast<std::size_t>(std::max(0, argc - 1)));
   if (std::any_of(words.begin(), words.end(), [](std::string_view w) { return w == "--help"; })) {
     fmt::print("{}", kUsage);
@@ -296,3 +295,7 @@ int main(int argc, char** argv) {
   }
   return run(arguments);
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-table2", run_tool, argc, argv); }

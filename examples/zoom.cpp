@@ -22,6 +22,9 @@
 #include "calvin/rig/zoom/left_out.hpp"
 #include "calvin/solve/uncertainty.hpp"
 
+#include "output_files.hpp"
+#include "tool_main.hpp"
+
 namespace {
 
 constexpr int kFailed = 1;
@@ -96,14 +99,25 @@ std::optional<Arguments> parse(std::span<char*> given) {
   return arguments;
 }
 
-// A calibration with where the lens stood, from ZOOM,FOCUS=FILE or from a file that says it.
-calvin::Result<calvin::Calibration> read_setting(const std::string& word) {
+// A file, with where the lens stood if that is in front of it.
+struct Setting {
+  std::optional<calvin::LensPosition> position;
+  std::string file;
+};
+
+// ZOOM,FOCUS=FILE or FILE, whose name may be like that, too.
+Setting parse_setting(const std::string& word) {
   const auto equals = word.find('=');
   std::error_code error;
   const auto position = equals == std::string::npos || std::filesystem::exists(word, error)
                             ? std::nullopt
                             : parse_position(std::string_view(word).substr(0, equals));
-  const std::string file = position ? word.substr(equals + 1) : word;
+  return {position, position ? word.substr(equals + 1) : word};
+}
+
+// A calibration with where the lens stood, as the word or the file says.
+calvin::Result<calvin::Calibration> read_setting(const std::string& word) {
+  const auto [position, file] = parse_setting(word);
   auto calibration = calvin::read_calibration(file);
   if (!calibration) return calibration;
   if (position) {
@@ -152,7 +166,22 @@ void print(const calvin::ZoomTable& table) {
   }
 }
 
+// Whether the file to write, of that kind, is neither one that is read nor holds something else.
+calvin::Status check_output(const std::string& file, const output_files::Kind& kind,
+                            std::span<const std::string> words, std::string_view usage) {
+  std::vector<std::string> inputs;
+  for (const std::string& word : words) inputs.push_back(parse_setting(word).file);
+  return output_files::check({{{file, {kind}}}}, inputs, usage);
+}
+
 int make_table(const Arguments& arguments) {
+  const std::string& file = arguments.words.front();
+  if (parse_setting(file).position) {
+    return wrong_usage(fmt::format("'{}' is a setting, and the table to write comes first.", file));
+  }
+  const auto good =
+      check_output(file, output_files::kZoomTable, std::span(arguments.words).subspan(1), kUsage);
+  if (!good) return failed(good.error());
   std::vector<calvin::Calibration> calibrations;
   for (std::size_t i = 1; i < arguments.words.size(); ++i) {
     auto calibration = read_setting(arguments.words[i]);
@@ -163,13 +192,17 @@ int make_table(const Arguments& arguments) {
   auto table = calvin::make_zoom_table(std::move(calibrations));
   if (!table) return failed(table.error());
   *table = calvin::with_left_out(*std::move(table));
-  const auto written = calvin::write_zoom_table(arguments.words.front(), *table);
+  const auto written = calvin::write_zoom_table(file, *table);
   if (!written) return failed(written.error());
   print(*table);
   return 0;
 }
 
 int write_position(const Arguments& arguments) {
+  const auto good = check_output(arguments.words.back(), output_files::kCalibration,
+                                 std::span(arguments.words).first(1),
+                                 "calvin-zoom --at ZOOM[,FOCUS] TABLE.json CALIBRATION");
+  if (!good) return failed(good.error());
   const auto table = calvin::read_zoom_table(arguments.words.front());
   if (!table) return failed(table.error());
   auto found = calvin::interpolate(*table, *arguments.at);
@@ -188,9 +221,7 @@ int write_position(const Arguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
     fmt::print("{}", kUsage);
@@ -200,3 +231,7 @@ int main(int argc, char** argv) {
   if (!arguments) return kWrongUsage;
   return arguments->at ? write_position(*arguments) : make_table(*arguments);
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return calvin_tools::run("calvin-zoom", run_tool, argc, argv); }

@@ -54,6 +54,7 @@ expect 1 'none.jsonl' "$board" measure boards.json#floor none.jsonl
 expect 1 'nowhere to be seen' "$board" measure boards.json#wall views.jsonl
 expect 0 'boards.json#floor' "$board" measure boards.json#floor views.jsonl
 expect 0 'measured by 12 views' "$board" list boards.json
+expect 2 'list takes one file, and 2 are given' "$board" list boards.json extra
 expect 1 'count once' "$board" measure boards.json#floor views.jsonl
 
 if [ "$can_draw" != draw ]; then
@@ -103,10 +104,10 @@ expect 0 '8 sheets of 210.0 x 297.0 mm, 4 columns and 2 rows' \
 [ "$(grep -a '/Type /Page' tiled.pdf | grep -cv '/Type /Pages')" = 8 ] || fail 'tiled.pdf has not 8 pages'
 expect 0 'tiled-1.png ...' "$board" draw checkerboard:14x9:40mm tiled.png --tiled a4 --dpi 50
 [ -e tiled-8.png ] && [ ! -e tiled-9.png ] && [ ! -e tiled.png ] || fail 'not 8 pictures'
-expect 1 'no paper called' "$board" draw checkerboard:14x9:40mm tiled.pdf --tiled fit
+expect 1 "no paper called 'fit'; use one of letter, a4" "$board" draw checkerboard:14x9:40mm tiled.pdf --tiled fit
 expect 1 'more than 200 sheets' "$board" draw checkerboard:14x9:1m tiled.pdf --tiled a4
 expect 1 "paper 'a2' holds it" "$board" draw checkerboard:9x6:40mm big.pdf --paper a4
-expect 1 'no paper called' "$board" draw checkerboard:9x6:40mm big.pdf --paper b7
+expect 1 "no paper called 'b7'; use auto, fit or one of letter, a4" "$board" draw checkerboard:9x6:40mm big.pdf --paper b7
 expect 1 '.pdf, .svg or .png' "$board" draw checkerboard:9x6:25mm board.jpg
 expect 1 'dpi' "$board" draw checkerboard:9x6:25mm board2.png --dpi 100000
 expect 1 'Cannot write' "$board" draw checkerboard:9x6:25mm none/board.pdf

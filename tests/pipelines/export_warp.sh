@@ -36,7 +36,21 @@ expect 2 'a format are needed' "$warp" wide.json
 expect 2 'no format' "$warp" wide.json avi no.bin
 expect 2 'two files' "$warp" wide.json ffmpeg x.pgm
 expect 2 'one file' "$warp" wide.json dw100
-expect 2 'not an option' "$warp" wide.json dw100 no.bin --pan east
-expect 2 'not an option' "$warp" wide.json dw100 no.bin --output 320
+expect 2 "pan takes a number from -180 to 180, not 'east'" "$warp" wide.json dw100 no.bin --pan east
+expect 2 "roll takes a number from -180 to 180, not '400'" "$warp" wide.json dw100 no.bin --roll 400
+expect 2 "alpha takes a number from 0 to 1, not '2'" "$warp" wide.json dw100 no.bin --alpha 2
+expect 2 "zoom takes a number from 0.01 to 100, not '0'" "$warp" wide.json dw100 no.bin --zoom 0
+expect 2 "output takes WxH, 2x2 to 16384x16384 px, not '320'" "$warp" wide.json dw100 no.bin --output 320
+expect 2 "not '99999x99999'" "$warp" wide.json dw100 no.bin --output 99999x99999
+expect 2 'projection takes one of rectilinear, .*, fisheye, not .foo' "$warp" wide.json dw100 no.bin --projection foo
+expect 2 "alpha-mode takes one of calvin, opencv, not ''" "$warp" wide.json dw100 no.bin --alpha-mode
 expect 2 'not an option' "$warp" wide.json dw100 no.bin --fast
 expect 0 'Usage' "$warp" --help
+
+# A map takes no input's place, nor that of the other map or of what calvin-... has written.
+cp wide.json before.json
+cp wide.json other.json
+expect 1 "'./wide.json' is one of the files to read" "$warp" wide.json glsl ./wide.json
+expect 1 "'other.json' holds a calibration, and an export would" "$warp" wide.json glsl other.json
+expect 1 "'x.pgm' is to hold two results" "$warp" $camera ffmpeg x.pgm x.pgm
+cmp -s wide.json before.json && cmp -s other.json before.json || fail 'a refusal has touched a file'

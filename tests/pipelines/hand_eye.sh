@@ -79,8 +79,10 @@ run 0 1
 expect 1 'Cannot write' "$program" none/hand_eye.json camera.json views.jsonl poses.txt
 expect 2 'Usage' "$program"
 expect 2 'Usage' "$program" hand_eye.json camera.json views.jsonl
-expect 2 'no option' "$program" --eye on-hand hand_eye.json camera.json views.jsonl poses.txt
-expect 2 'no option' "$program" --turn-sigma none hand_eye.json camera.json views.jsonl poses.txt
+expect 2 '--eye takes in-hand or to-hand' "$program" --eye on-hand hand_eye.json camera.json views.jsonl poses.txt
+expect 2 '--turn-sigma takes a number of degrees, more than 0' "$program" --turn-sigma none hand_eye.json camera.json views.jsonl poses.txt
+expect 2 '--turn-sigma takes a number of degrees' "$program" hand_eye.json camera.json views.jsonl poses.txt --turn-sigma -1
+expect 2 '--place-sigma takes a number of mm' "$program" hand_eye.json camera.json views.jsonl poses.txt --place-sigma
 expect 2 'no option' "$program" --shoulder hand_eye.json camera.json views.jsonl poses.txt
 expect 0 'Usage' "$program" --help
 
@@ -160,8 +162,19 @@ expect 1 'none.json' "$program" --method strobl hand_eye.json none.json left.jso
 cmp -s hand_eye.json before.json || fail 'a failure has touched the file'
 expect 1 'Cannot write' "$program" --method strobl --rig none/rig.json hand_eye.json start.json left.jsonl right.json right.jsonl poses.txt
 expect 2 'go with --method strobl' "$program" --fix pitch hand_eye.json start.json left.jsonl poses.txt
-expect 2 'no option' "$program" --method tsai hand_eye.json start.json left.jsonl poses.txt
-expect 2 'no option' "$program" --method strobl --fix size hand_eye.json start.json left.jsonl poses.txt
+expect 2 '--method takes strobl' "$program" --method tsai hand_eye.json start.json left.jsonl poses.txt
+expect 2 '--fix takes pitch or aspect' "$program" --method strobl --fix size hand_eye.json start.json left.jsonl poses.txt
 expect 2 'of each camera' "$program" --method strobl hand_eye.json start.json left.jsonl right.json poses.txt
 expect 2 'two cameras or more' "$program" --method strobl --rig rig.json hand_eye.json start.json left.jsonl poses.txt
 expect 2 'than cameras' "$program" --method strobl --calibration a.json --calibration b.json hand_eye.json start.json left.jsonl poses.txt
+
+# A result takes no input's place, nor that of what is none.
+cp left.jsonl before.jsonl
+cp start.json before_start.json
+expect 1 "'left.jsonl' is one of the files to read" "$program" left.jsonl start.json left.jsonl poses.txt
+grep -q 'The order is: calvin-hand-eye .OPTIONS. HAND_EYE.json CALIBRATION VIEWS POSES$' out || fail "no order: $(cat out)"
+ln -s start.json link.json
+expect 1 "'link.json' is one of the files to read" "$program" --method strobl --calibration link.json hand_eye.json start.json left.jsonl poses.txt
+expect 1 "'one.json' holds a calibration, and a hand-eye calibration would" "$program" one.json start.json left.jsonl poses.txt
+expect 1 'two results' "$program" --method strobl --calibration new.json --rig new.json hand_eye.json start.json left.jsonl right.json right.jsonl poses.txt
+cmp -s left.jsonl before.jsonl && cmp -s start.json before_start.json || fail 'a refusal has touched a file'

@@ -110,6 +110,10 @@ expect 0 "'cam1' at" "$light" --calibration cam0=cam0.json --calibration cam1=ca
 expect 0 'mean error' "$light" --fix aspect,center,p1,p2,k2 --export kalibr:chain.yaml rig.json blueccal
 [ -s chain.yaml ] || fail 'no camchain was written'
 cp rig.json before.json
+mkdir bare
+expect 1 "'bare' cannot be used as what BlueCCal writes: points.dat is missing" "$light" rig.json bare
+cp blueccal/points.dat bare
+expect 1 'Res.dat is missing in it. The folder has to hold points.dat and Res.dat' "$light" rig.json bare
 expect 1 'three are needed' "$light" rig.json cam0.jsonl cam1.jsonl
 expect 1 "'cam1.json' is of 'cam1', and is given as the calibration of 'cam0': exchange it and 'cam0.json'" "$light" \
   --calibration cam0=cam1.json --calibration cam1=cam0.json rig.json cam0.jsonl cam1.jsonl
@@ -124,3 +128,14 @@ expect 1 'nowhere' "$light" --places nowhere rig.json blueccal
 expect 2 'Usage' "$light" rig.json
 expect 2 'Usage' "$light" --tolerance x rig.json blueccal
 cmp -s rig.json before.json || fail 'a failure has touched the file'
+
+# A forgotten output takes no input's place, nor that of what is no rig.
+cp cam0.jsonl before.jsonl
+cp places.txt before.txt
+expect 1 "'cam0.jsonl' holds observations of a board, and a rig would take its place" "$light" cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+grep -q 'The order is: calvin-light .OPTIONS. RIG.json SEEN...$' out || fail "nothing says what comes first: $(cat out)"
+expect 1 "'places.txt' is one of the files to read" "$light" --places places.txt places.txt cam1.jsonl cam2.jsonl cam3.jsonl
+expect 1 "'mirrored.txt' holds something that this tool does not write" "$light" mirrored.txt cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+expect 1 "'cam0.json' holds a calibration" "$light" --export kalibr:cam0.json rig.json blueccal
+expect 1 'two results' "$light" --export kalibr:./rig.json rig.json blueccal
+cmp -s cam0.jsonl before.jsonl && cmp -s places.txt before.txt && cmp -s rig.json before.json || fail 'a refusal has touched a file'

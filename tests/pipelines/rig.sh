@@ -160,3 +160,12 @@ expect 2 'Usage' "$rig" rig.json left.json left.jsonl
 expect 2 'milliseconds' "$rig" --tolerance soon rig.json left.json left.jsonl right.json right.jsonl
 expect 2 'no option' "$rig" --ceiling rig.json left.json left.jsonl right.json right.jsonl
 expect 0 'Usage' "$rig" --help
+
+# A result takes no input's place, nor that of what is no rig.
+cp left.json before_left.json
+expect 1 "'left.json' is one of the files to read" "$rig" left.json left.json left.jsonl right.json right.jsonl
+expect 1 "'late.json' holds a calibration, and a rig would take its place" "$rig" late.json left.json left.jsonl right.json right.jsonl
+expect 1 'holds observations of a board, and an export' "$rig" --export kalibr:late.jsonl rig.json left.json left.jsonl right.json right.jsonl
+cmp -s left.json before_left.json || fail 'a refusal has touched a file'
+: >empty.json
+expect 0 '100.0 mm apart' "$rig" empty.json left.json left.jsonl right.json right.jsonl

@@ -60,3 +60,13 @@ expect 2 'a number' "$zoom" --at soon zoom.json at.json
 expect 2 'a file to write' "$zoom" --at 1 zoom.json
 expect 2 'no option' "$zoom" --far zoom.json 1=wide.json 2=tele.json
 expect 0 'Usage' "$zoom" --help
+
+# A forgotten output takes no input's place, whatever its name.
+expect 2 'is a setting, and the table to write comes first' "$zoom" 100=wide.json 200=middle.json 400=tele.json
+[ ! -e 100=wide.json ] || fail 'a file has the name of a setting'
+expect 1 "'wide.json' holds a calibration, and a zoom table would take its place" "$zoom" wide.json 200=middle.json tele.json
+grep -q 'The order is: calvin-zoom .OPTIONS. TABLE.json' out || fail "nothing says what comes first: $(cat out)"
+expect 1 "'./tele.json' is one of the files to read" "$zoom" ./tele.json 200=middle.json tele.json
+expect 1 "'zoom.json' is one of the files to read" "$zoom" --at 150 zoom.json zoom.json
+expect 1 "'before.json' holds a zoom table" "$zoom" --at 150 zoom.json before.json
+grep -q '"model": "brown4"' wide.json && cmp -s zoom.json before.json || fail 'a refusal has touched a file'

@@ -16,6 +16,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 
 namespace calvin {
 
@@ -41,7 +42,7 @@ tl::unexpected<Error> malformed(std::string_view name, std::string_view file,
 // NaN for what is no number, as for what was not seen.
 Result<Rows> rows_of(std::string_view text, std::string_view name, std::string_view file) {
   Rows rows;
-  for (const std::string_view line : split(text, '\n')) {
+  for (const std::string_view line : io::lines_of(text)) {
     std::vector<double> row;
     for (const std::string_view word : words_of(line)) {
       const auto number = parse_double(word);
@@ -140,6 +141,21 @@ Result<std::string> read_if_there(const std::filesystem::path& path) {
   return content;
 }
 
+// That of one that has to be there. Whoever gives a folder of other things learns what it takes.
+Result<std::string> read_needed(const std::filesystem::path& folder, const char* file) {
+  auto content = read_file((folder / file).string());
+  std::error_code none;
+  if (content || content.error().code != ErrorCode::kNotFound ||
+      !std::filesystem::is_directory(folder, none)) {
+    return content;
+  }
+  return make_error(
+      ErrorCode::kNotFound,
+      fmt::format("'{}' cannot be used as what BlueCCal writes: {} is missing in it. The folder "
+                  "has to hold {} and {}, and may hold {} and {}.",
+                  shortened(folder.string(), 400), file, kPoints, kSizes, kVisible, kNames));
+}
+
 }  // namespace
 
 Result<std::vector<ObservationFile>> parse_blueccal(const BlueCcalText& text,
@@ -154,7 +170,7 @@ Result<std::vector<ObservationFile>> parse_blueccal(const BlueCcalText& text,
     if (!read) return tl::unexpected(read.error());
     tables.*rows = *std::move(read);
   }
-  for (const std::string_view line : split(text.names, '\n')) {
+  for (const std::string_view line : io::lines_of(text.names)) {
     if (!trim(line).empty()) tables.names.emplace_back(trim(line));
   }
   if (const Status fits = check(tables, name); !fits) return tl::unexpected(fits.error());
@@ -162,21 +178,15 @@ Result<std::vector<ObservationFile>> parse_blueccal(const BlueCcalText& text,
 }
 
 Result<std::vector<ObservationFile>> read_blueccal(const std::filesystem::path& folder) {
-  const auto points = read_file((folder / kPoints).string());
+  const auto points = read_needed(folder, kPoints);
   if (!points) return tl::unexpected(points.error());
-  const auto sizes = read_file((folder / kSizes).string());
+  const auto sizes = read_needed(folder, kSizes);
   if (!sizes) return tl::unexpected(sizes.error());
   const auto visible = read_if_there(folder / kVisible);
   if (!visible) return tl::unexpected(visible.error());
   const auto names = read_if_there(folder / kNames);
   if (!names) return tl::unexpected(names.error());
   return parse_blueccal({*points, *visible, *sizes, *names}, folder.string());
-}
-
-bool is_blueccal(const std::filesystem::path& folder) {
-  std::error_code none;
-  return std::filesystem::is_regular_file(folder / kPoints, none) &&
-         std::filesystem::is_regular_file(folder / kSizes, none);
 }
 
 }  // namespace calvin

@@ -31,11 +31,9 @@ struct BlueCcalText {
                                                                   std::string_view name = "");
 
 // parse_blueccal() of points.dat, IdMat.dat, Res.dat and camera_order.txt of a folder, of which the
-// second and the last may be missing; errors as of read_file().
+// second and the last may be missing; errors as of read_file(), which say what a folder has to
+// hold.
 [[nodiscard]] Result<std::vector<ObservationFile>> read_blueccal(
     const std::filesystem::path& folder);
-
-// Whether a folder has the files.
-[[nodiscard]] bool is_blueccal(const std::filesystem::path& folder);
 
 }  // namespace calvin

@@ -15,6 +15,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/rig_io.hpp"
 
 namespace calvin {
@@ -58,7 +59,7 @@ Result<std::vector<CameraPlace>> parse_camera_places(std::string_view content,
                                                      std::string_view name) {
   std::vector<CameraPlace> places;
   std::size_t number = 0;
-  for (const std::string_view line : split(content, '\n')) {
+  for (const std::string_view line : io::lines_of(content)) {
     ++number;
     if (const std::string why = read_line(line, places); !why.empty()) {
       return make_error(ErrorCode::kMalformed,

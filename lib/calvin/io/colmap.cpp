@@ -21,6 +21,7 @@
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/colmap.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/rig_fields.hpp"
 
 namespace calvin::io {
@@ -136,7 +137,7 @@ using Lenses = std::map<std::uint64_t, Calibration>;
 Result<Lenses> read_cameras(std::string_view content) {
   Lenses cameras;
   std::size_t number = 0;
-  for (const std::string_view line : split(content, '\n')) {
+  for (const std::string_view line : lines_of(content)) {
     ++number;
     if (line.empty() || line.starts_with('#')) continue;
     auto camera = read_camera_line(line, number);
@@ -188,7 +189,7 @@ Result<std::vector<RigCamera>> read_images(std::string_view content, const Lense
   std::vector<RigCamera> images;
   std::size_t number = 0;
   bool is_points = false;
-  for (const std::string_view line : split(content, '\n')) {
+  for (const std::string_view line : lines_of(content)) {
     ++number;
     if (std::exchange(is_points, false) || line.empty() || line.starts_with('#')) continue;
     auto image = read_image_line(line, number, cameras);

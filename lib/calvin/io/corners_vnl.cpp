@@ -13,6 +13,7 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/target/board.hpp"
 
@@ -137,7 +138,7 @@ Result<std::vector<Observation>> parse_corners_vnl(std::string_view content, std
   bool weights = false;
   bool legend = false;
   int number = 0;
-  for (const std::string_view line : split(content, '\n')) {
+  for (const std::string_view line : io::lines_of(content)) {
     ++number;
     if (line.empty() || line.starts_with("##") || line.starts_with("#!")) continue;
     auto words = words_of(line);

@@ -8,6 +8,7 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "calvin/core/result.hpp"
 
@@ -24,6 +25,12 @@ struct FileKind {
 // `name`: of the file; may be empty. `why`: a clause of a parser or a whole sentence.
 [[nodiscard]] std::string explain(const FileKind& kind, std::string_view name,
                                   std::string_view why);
+
+// The text without the byte order mark that editors and spreadsheets put before UTF-8.
+[[nodiscard]] std::string_view without_byte_order_mark(std::string_view text) noexcept;
+
+// The lines of a text that is read line by line, without a byte order mark before the first one.
+[[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
 // What `parse` makes of the content, which never throws then; an error is explained.
 template <typename T>

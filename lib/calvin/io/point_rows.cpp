@@ -17,6 +17,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin {
@@ -239,7 +240,7 @@ Result<std::vector<PointRow>> parse_lines(std::string_view content, const PointR
       name.empty() ? std::string("The text of points") : fmt::format("'{}'", shortened(name, 400));
   RowReader reader(format);
   std::size_t number = 0;
-  for (const std::string_view line : split(content, '\n')) {
+  for (const std::string_view line : io::lines_of(content)) {
     ++number;
     if (const std::string why = reader.line(line); !why.empty()) {
       return make_error(ErrorCode::kMalformed,

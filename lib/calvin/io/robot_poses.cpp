@@ -20,6 +20,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
 #include "calvin/geometry/se3.hpp"
+#include "calvin/io/file_text.hpp"
 
 namespace calvin {
 
@@ -222,7 +223,7 @@ Result<std::vector<RobotPose>> parse_lines(std::string_view content, std::string
                                         : fmt::format("'{}'", shortened(name, 400));
   PoseReader reader;
   std::size_t number = 0;
-  for (const std::string_view line : split(content, '\n')) {
+  for (const std::string_view line : io::lines_of(content)) {
     ++number;
     if (const std::string why = reader.line(line); !why.empty()) {
       return make_error(ErrorCode::kMalformed,

@@ -16,6 +16,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/key_list.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "calvin/io/zoom_io.hpp"
@@ -27,8 +28,7 @@ namespace {
 enum class Setting { kText, kFile, kKeyList };
 
 bool is_content(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  const std::string_view start = trim(text);
+  const std::string_view start = trim(io::without_byte_order_mark(text));
   return start.empty() || start.starts_with('{') || start.starts_with('<') ||
          start.starts_with("%YAML");
 }

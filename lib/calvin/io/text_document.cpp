@@ -12,6 +12,7 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 
 namespace calvin::io {
 
@@ -94,7 +95,7 @@ Result<Node> parse_document(std::string_view text) {
 }  // namespace
 
 Result<Node> parse_text_document(std::string_view content) {
-  if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
+  content = without_byte_order_mark(content);
   if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) {
     return make_error(ErrorCode::kMalformed, "it is UTF-16 text: save it as UTF-8");
   }

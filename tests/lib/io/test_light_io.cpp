@@ -56,6 +56,7 @@ TEST(BlueCcal, SaysWhichFileIsWrong) {
   EXPECT_TRUE(has(message({kPoints, "", "", ""}), "Res.dat is not"));
   EXPECT_TRUE(has(message({kPoints, "", kSizes, "one\n"}), "camera_order.txt has 1 names"));
   EXPECT_EQ(read_blueccal("/nowhere").error().code, ErrorCode::kNotFound);
+  EXPECT_NE(read_blueccal("/").error().message.find("points.dat is missing"), std::string::npos);
 }
 
 TEST(CameraPlaces, AreReadLineByLine) {
@@ -71,6 +72,21 @@ TEST(CameraPlaces, AreReadLineByLine) {
   }
   EXPECT_NE(parse_camera_places("a 0 0 0\nb 0 0\n", "p").error().message.find("line 2"),
             std::string::npos);
+}
+
+// Notepad begins a file with it.
+TEST(LightFiles, MayBeginWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const auto places = parse_camera_places(mark + "left 1 2 3\n");
+  ASSERT_TRUE(places.has_value()) << places.error().message;
+  EXPECT_EQ(places->front().camera, "left");
+  const std::string points = mark + kPoints;
+  const std::string visible = mark + kVisible;
+  const std::string sizes = mark + kSizes;
+  const std::string names = mark + "left\nright\n";
+  const auto files = parse_blueccal({points, visible, sizes, names});
+  ASSERT_TRUE(files.has_value()) << files.error().message;
+  EXPECT_EQ(files->front().observations[0].camera, "left");
 }
 
 }  // namespace

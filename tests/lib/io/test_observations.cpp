@@ -261,6 +261,14 @@ TEST(CornersVnl, OfMrginghamIsRead) {
   EXPECT_EQ(seen->at(2).ids, (std::vector<int>{0, 2, 4}));
 }
 
+// A byte order mark before them, as Notepad puts it there.
+TEST(CornersVnl, MayBeginWithAByteOrderMark) {
+  const std::string text = "\xEF\xBB\xBF" + std::string(kVnl);
+  const auto marked = parse_corners_vnl(text, "checkerboard:3x2:10mm", {640, 480});
+  ASSERT_TRUE(marked.has_value()) << marked.error().message;
+  EXPECT_EQ(marked->size(), parse_corners_vnl(kVnl, "checkerboard:3x2:10mm", {640, 480})->size());
+}
+
 TEST(CornersVnl, WhatIsPrintedReadsBackAsTheSame) {
   auto seen = parse_corners_vnl(kVnl, "checkerboard:3x2:10mm", {640, 480}).value();
   seen[0].sigma = {0.25, 0.5, 8, 1, 2};

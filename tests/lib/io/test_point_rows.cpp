@@ -133,5 +133,20 @@ TEST(PointRows, AreBoards) {
   }
 }
 
+// Excel's "CSV UTF-8" and Notepad begin a file with it.
+TEST(PointRows, MayBeginWithAByteOrderMark) {
+  const auto rows = parse_point_rows("\xEF\xBB\xBF# unit: mm\n25;0;5;100.5;200.25\r\n", {});
+  ASSERT_TRUE(rows) << rows.error().message;
+  EXPECT_NEAR(rows->front().point->x(), 0.025, 1e-15);
+  EXPECT_TRUE(parse_point_rows("\xEF\xBB\xBF"
+                               "1 2\n",
+                               {{}, kMillimetre})
+                  .has_value());
+  EXPECT_FALSE(parse_point_rows("1 2\n\xEF\xBB\xBF"
+                                "3 4\n",
+                                {{}, kMillimetre})
+                   .has_value());
+}
+
 }  // namespace
 }  // namespace calvin

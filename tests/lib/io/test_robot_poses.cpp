@@ -129,5 +129,17 @@ TEST(RobotPoses, AreReadFromADisk) {
   EXPECT_EQ(read_robot_poses(folder.path("none.txt")).error().code, ErrorCode::kNotFound);
 }
 
+// Excel's "CSV UTF-8" and Notepad begin a file with it.
+TEST(RobotPoses, MayBeginWithAByteOrderMark) {
+  for (const std::string first :
+       {"0.1 0.2 0.3 0 0 0 1\n", "name,x,y,z,qw,qx,qy,qz\na.png,0.1,0.2,0.3,1,0,0,0\n"}) {
+    const auto poses = parse_robot_poses("\xEF\xBB\xBF" + first);
+    ASSERT_TRUE(poses) << poses.error().message;
+    ASSERT_EQ(poses->size(), 1U);
+    EXPECT_EQ(poses->front().name, first.starts_with('n') ? "a.png" : "");
+    EXPECT_NEAR(poses->front().base_from_hand.translation[2], 0.3, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace calvin

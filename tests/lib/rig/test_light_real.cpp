@@ -23,7 +23,7 @@ std::vector<LightCamera> strawlab() {
   const char* data = std::getenv("CALVIN_DATA");
   const auto folder =
       std::filesystem::path(data == nullptr ? "" : data) / "mcsc-strawlab-DATA20100906_134124";
-  if (data == nullptr || !is_blueccal(folder)) return {};
+  if (data == nullptr || !std::filesystem::exists(folder)) return {};
   const auto files = read_blueccal(folder);
   EXPECT_TRUE(files.has_value()) << files.error().message;
   std::vector<Observation> seen;

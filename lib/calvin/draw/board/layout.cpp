@@ -141,7 +141,7 @@ Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper) {
     if (name != "auto") return does_not_fit(board, candidate);
   }
   if (name == "auto") return made_to_measure(board);
-  return no_such_paper(paper);
+  return no_such_paper(paper, "auto, fit or ");
 }
 
 }  // namespace calvin

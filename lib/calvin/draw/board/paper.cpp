@@ -48,9 +48,9 @@ std::vector<std::string> paper_names() {
   return names;
 }
 
-tl::unexpected<Error> no_such_paper(std::string_view name) {
+tl::unexpected<Error> no_such_paper(std::string_view name, std::string_view others) {
   return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("There is no paper called '{}'; use auto, fit or one of {}.", name,
+                    fmt::format("There is no paper called '{}'; use {}one of {}.", name, others,
                                 join(paper_names(), ", ")));
 }
 

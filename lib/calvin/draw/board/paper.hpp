@@ -33,7 +33,7 @@ inline constexpr double kTileMargin = 0.010;
 [[nodiscard]] std::string lower(std::string_view text);
 
 // kInvalidArgument for a name that no paper has.
-[[nodiscard]] tl::unexpected<Error> no_such_paper(std::string_view name);
+[[nodiscard]] tl::unexpected<Error> no_such_paper(std::string_view name, std::string_view others);
 
 // m, of white around a board.
 [[nodiscard]] double white_border(const Board& board);

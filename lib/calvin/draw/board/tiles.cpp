@@ -133,7 +133,7 @@ Result<std::vector<BoardTile>> lay_out_tiles(const Board& board, std::string_vie
     return tl::unexpected<Error>(printable.error());
   }
   const auto known = paper_of(paper);
-  if (!known) return no_such_paper(paper);
+  if (!known) return no_such_paper(paper, "");
   std::optional<Parts> best;
   for (const Sheet& sheet :
        {Sheet{known->width, known->height}, Sheet{known->height, known->width}}) {
