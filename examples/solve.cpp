@@ -233,12 +233,11 @@ std::optional<Arguments> parse(std::span<char*> given) {
   return arguments;
 }
 
-// Whether the file to write is neither one that is read nor one that holds something else.
+// Whether the file to write is neither one that is read nor one that holds something else. A
+// calibration to start from may be improved where it is.
 calvin::Status check_output(const Arguments& arguments) {
   std::vector<std::string> inputs(arguments.words.begin() + 1, arguments.words.end());
-  for (const std::string& input : {arguments.initial, arguments.rows.points}) {
-    if (!input.empty()) inputs.push_back(input);
-  }
+  if (!arguments.rows.points.empty()) inputs.push_back(arguments.rows.points);
   output_files::Output output = {arguments.words.front(), {output_files::kCalibration}};
   if (arguments.options.method == solve_zooming::kMethod) {
     output.kinds.push_back(output_files::kZoomTable);
