@@ -116,10 +116,13 @@ std::vector<IdentifiedBoard> find_corners(const ImageView& image, double side,
 
 std::optional<IdentifiedBoard> find_circles(const ImageView& image, double side,
                                             const std::stop_token& stop) {
-  // Larger than any grid in a picture, so that none of them is a part of it.
+  // Larger than any grid in a picture, so that none of them is a part of it; with marks of both
+  // kinds, so that these are looked for, where no other board has them.
   constexpr int kMany = 40;
-  const std::array<Board, 2> boards = {Board(CircleGrid{kMany, kMany, side, {}, {}, false}),
-                                       Board(CircleGrid{kMany, kMany, side, {}, {}, true})};
+  const std::vector<GridPlace> rings = {{0, 0}, {31, 2}, {5, 37}};
+  const std::vector<GridPlace> large = {{39, 0}, {2, 23}, {17, 39}};
+  const std::array<Board, 2> boards = {Board(CircleGrid{kMany, kMany, side, rings, large, false}),
+                                       Board(CircleGrid{kMany, kMany, side, rings, large, true})};
   const auto detector = detect::make_circle_detector(boards);
   for (const Detection& seen : detector->detect_all(image, stop)) {
     if (!seen.seen_all || seen.seen_board.empty()) continue;

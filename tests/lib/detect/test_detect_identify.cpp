@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -175,6 +176,20 @@ TEST(Identify, SaysNothingOfWhatIsNoBoard) {
   stopped.request_stop();
   const auto picture = picture_of(parse_board("checkerboard:9x6:25mm").value(), 0.1);
   EXPECT_TRUE(identify_boards(picture.view(), kSide, stopped.get_token()).empty());
+}
+
+// Marks are a part of a board's text, which is that of the turn in which they come early.
+TEST(Identify, CirclesWithTheirMarks) {
+  const std::pair<const char*, const char*> texts[] = {
+      {"dots:9x6:25mm:rings=1.1:big=2.4", "dots:9x6:25mm:rings=1.1:big=2.4"},
+      {"dots:6x9:25mm:rings=1.1:big=4.2", "dots:9x6:25mm:rings=7.1:big=6.4"},
+      {"dots:10x10:25mm:big=0.0:inverted", "dots:10x10:25mm:big=0.0:inverted"},
+      {"circles:9x6:25mm", "circles:9x6:25mm"}};
+  for (const auto& [text, named] : texts) {
+    for (const double turn : {0.0, 1.6, 3.0, 4.7}) {
+      EXPECT_EQ(first_of(picture_of(parse_board(text).value(), turn)), named) << turn;
+    }
+  }
 }
 
 // Its next discs would lie at the edge of the paper, which is that of the picture.

@@ -109,7 +109,7 @@ class CircleDetector final : public Detector {
   void look_at(const DiscLattice& lattice, bool light);
   [[nodiscard]] bool name(DiscSheet& sheet, std::size_t pattern);
   [[nodiscard]] bool observe(DiscSheet& sheet, std::size_t pattern, const CellMap& map);
-  void note_other(const DiscLattice& lattice, bool light);
+  void note_other(const DiscSheet& sheet, bool light);
   [[nodiscard]] bool is_known(const DiscLattice& lattice) const;
   [[nodiscard]] bool all_found() const { return list_.is_satisfied(sheets()); }
   [[nodiscard]] std::vector<SheetOf> sheets() const;
@@ -213,7 +213,7 @@ void CircleDetector::look_at(const DiscLattice& lattice, bool light) {
   for (std::size_t i = 0; i < patterns_.size(); ++i) {
     if (patterns_[i].is_light() == light && name(sheet, i)) return;
   }
-  note_other(sheet.lattice(), light);
+  note_other(sheet, light);
 }
 
 bool CircleDetector::name(DiscSheet& sheet, std::size_t pattern) {
@@ -288,10 +288,14 @@ bool CircleDetector::is_search_due(std::uint64_t timestamp) {
   return timestamp < searched_ || timestamp - searched_ >= kSearchAgain;
 }
 
-void CircleDetector::note_other(const DiscLattice& lattice, bool light) {
+void CircleDetector::note_other(const DiscSheet& sheet, bool light) {
+  const DiscLattice& lattice = sheet.lattice();
   if (other_ && other_->discs >= lattice.count()) return;
   const auto like = std::ranges::find(patterns_, light, &CirclePattern::is_light);
-  const auto board = board_of(lattice, like->board());
+  // Where no board has marks none are looked for, and large discs are no part of the lattice.
+  std::vector<SeenMark> marks(lattice.cells().size());
+  if (marks_.rings || marks_.large) marks = sheet.marks(pyramid_.level(0));
+  const auto board = board_of(lattice, marks, like->board());
   if (!board) return;
   const auto is_in_view = [&](Cell c) {
     const Ellipse& e = *lattice.at(c);

@@ -6,6 +6,7 @@
 #include "calvin/detect/circles/circle_pattern.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "calvin/target/kinds.hpp"
@@ -150,19 +151,61 @@ std::vector<CellMap> place_on(const CirclePattern& pattern, const DiscLattice& l
   return maps;
 }
 
-std::optional<Board> board_of(const DiscLattice& lattice, const Board& like) {
+namespace {
+
+// As it is seen after a quarter turn, its marks row by row.
+CircleGrid turned(const CircleGrid& grid) {
+  CircleGrid after = {grid.rows, grid.cols, grid.pitch, {}, {}, grid.inverted};
+  const auto place = [&](GridPlace p) { return GridPlace{p.row, grid.cols - 1 - p.col}; };
+  const auto row_by_row = [](GridPlace p) { return std::pair(p.row, p.col); };
+  std::ranges::transform(grid.rings, std::back_inserter(after.rings), place);
+  std::ranges::transform(grid.large, std::back_inserter(after.large), place);
+  std::ranges::sort(after.rings, {}, row_by_row);
+  std::ranges::sort(after.large, {}, row_by_row);
+  return after;
+}
+
+// Whether the marks of `a` come first, row by row.
+bool has_earlier_marks(const CircleGrid& a, const CircleGrid& b) {
+  const auto is_earlier = [](GridPlace p, GridPlace q) {
+    return std::pair(p.row, p.col) < std::pair(q.row, q.col);
+  };
+  if (a.rings != b.rings) return std::ranges::lexicographical_compare(a.rings, b.rings, is_earlier);
+  return std::ranges::lexicographical_compare(a.large, b.large, is_earlier);
+}
+
+// The grid that a full lattice shows. Nobody sees which way up it was meant: its longer side is in
+// columns, and its marks come early.
+CircleGrid grid_of(const DiscLattice& lattice, std::span<const SeenMark> marks, double pitch,
+                   bool inverted) {
+  const CellRange range = lattice.extent();
+  CircleGrid grid = {range.cols(), range.rows(), pitch, {}, {}, inverted};
+  const std::vector<Cell> cells = lattice.cells();
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Cell c = cells[i] - range.first;
+    if (marks[i] == DiscMark::kRing) grid.rings.push_back({c.col, c.row});
+    if (marks[i] == DiscMark::kLarge) grid.large.push_back({c.col, c.row});
+  }
+  std::optional<CircleGrid> best;
+  for (int turn = 0; turn < 4; ++turn) {
+    grid = turned(grid);
+    if (grid.cols < grid.rows) continue;
+    if (!best || has_earlier_marks(grid, *best)) best = grid;
+  }
+  return *best;
+}
+
+}  // namespace
+
+std::optional<Board> board_of(const DiscLattice& lattice, std::span<const SeenMark> marks,
+                              const Board& like) {
   const auto* grid = like.as<CircleGrid>();
   const auto* asymmetric = like.as<AsymmetricCircleGrid>();
   const bool inverted = grid != nullptr ? grid->inverted : asymmetric->inverted;
   const CellRange range = lattice.extent();
   if (lattice.count() == range.cols() * range.rows()) {
-    const double pitch = like.cell_size(0);
-    return Board(CircleGrid{std::max(range.cols(), range.rows()),
-                            std::min(range.cols(), range.rows()),
-                            pitch,
-                            {},
-                            {},
-                            inverted});
+    const CircleGrid whole = grid_of(lattice, marks, like.cell_size(0), inverted);
+    return whole.check() ? std::optional(Board(whole)) : std::nullopt;
   }
   // Rows of an asymmetric grid run along one of the diagonals.
   const auto extent_along = [&](int sign) {

@@ -74,7 +74,9 @@ using SeenMark = std::optional<DiscMark>;
                                             const DiscLattice& lattice,
                                             std::span<const SeenMark> marks, double least_share);
 
-// The board without marks of which a lattice shows every disc; its distance is that of `like`.
-[[nodiscard]] std::optional<Board> board_of(const DiscLattice& lattice, const Board& like);
+// The board of which a lattice shows every disc, with the marks that they show, in the order of
+// lattice.cells(); its distance is that of `like`.
+[[nodiscard]] std::optional<Board> board_of(const DiscLattice& lattice,
+                                            std::span<const SeenMark> marks, const Board& like);
 
 }  // namespace calvin::detect
