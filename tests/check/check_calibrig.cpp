@@ -32,9 +32,7 @@ GST_START_TEST(test_two_cameras_stand_where_they_are) {
   g_object_set(f.element, "location", location.c_str(), nullptr);
   // Of another session: it is kept.
   fail_unless(g_file_set_contents(location.c_str(), "{\"another\": 1}", -1, nullptr));
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   int cameras = 0;
@@ -64,9 +62,7 @@ GST_START_TEST(test_cameras_that_look_at_each_other) {
   const std::string location = f.folder / "rig.json";
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "location", location.c_str(), "fixed-boards", gboolean(is_said), nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const auto rig = read_rig(location);
   fail_unless(rig.has_value() == is_said);
   if (!is_said) return;
@@ -82,9 +78,7 @@ GST_START_TEST(test_estimates_intrinsics) {
   RigFixture f(rig_views::stereo());
   gst_element_set_state(f.element, GST_STATE_NULL);
   gst_util_set_object_arg(G_OBJECT(f.element), "estimate-intrinsics", "free");
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   const auto rig = parse_rig(gst_structure_get_string(result, "json"));
@@ -101,9 +95,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_four_cameras_of_different_lenses_and_sizes) {
   RigFixture f(rig_views::ring());
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   const auto rig = parse_rig(gst_structure_get_string(result, "json"));
@@ -134,9 +126,7 @@ GST_START_TEST(test_a_known_distance_sets_the_scale) {
                ("cam0:cam1:" + std::to_string(1000 * wanted) + "mm:0.01mm").c_str(), "export",
                ("mrcal:" + f.folder / "models" + ",opencv:" + f.folder / "stereo.yml").c_str(),
                nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   double scale = 0;

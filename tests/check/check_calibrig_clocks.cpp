@@ -25,9 +25,7 @@ GST_START_TEST(test_clocks_that_disagree) {
   const std::string location = f.folder / "rig.json";
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "location", location.c_str(), "tolerance", 15 * GST_MSECOND, nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   const GValue* offsets = gst_structure_get_value(result, "time-offsets");
@@ -50,9 +48,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_clocks_that_agree) {
   RigFixture f(rig_views::swinging(4, 0));
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   const GValue* offsets = gst_structure_get_value(result, "time-offsets");
@@ -64,9 +60,7 @@ GST_START_TEST(test_frame_of_the_board) {
   RigFixture f(rig_views::stereo());
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "world", "board:x180", nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   const auto rig = parse_rig(gst_structure_get_string(result, "json"));

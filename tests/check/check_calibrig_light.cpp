@@ -68,9 +68,7 @@ GST_START_TEST(test_without_places_there_is_no_unit) {
   RigFixture f(rig_views::lit_room(200), false);
   g_object_set(f.element, "model", "pinhole", "fix", "aspect,center", nullptr);
   gst_util_set_object_arg(G_OBJECT(f.element), "method", "svoboda");
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   fail_unless_equals_string(gst_structure_get_string(result, "unit"), "none");
@@ -86,9 +84,7 @@ GST_START_TEST(test_a_wand_gives_the_unit) {
   RigFixture f(rig_views::lit_room_of_wand(100), false);
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "wand-sigma", 0.0001, nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);
   fail_unless_equals_string(gst_structure_get_string(result, "unit"), "m");
@@ -123,9 +119,7 @@ GST_START_TEST(test_the_end_without_a_rig_says_what_is_missing) {
   RigFixture f(cameras, false);
   gst_util_set_object_arg(G_OBJECT(f.element), c.property, c.value);
   g_object_set(f.element, "location", (f.folder / "rig.json").c_str(), nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   const auto texts = f.bus.texts(GST_MESSAGE_ERROR);
   fail_unless_equals_int(texts.size(), 1);
   fail_unless(texts[0].find(c.word) != std::string::npos, "%s", texts[0].c_str());

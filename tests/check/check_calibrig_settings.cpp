@@ -30,9 +30,7 @@ GST_START_TEST(test_a_board_counts_in_any_spelling) {
                                    "charuco:5x7:100mm:70mm:DICT_5X5_100;" + shown, "auto"};
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "board", spellings[__i__].c_str(), nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   fail_unless(f.final_result() != nullptr);
   fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
 }
@@ -43,9 +41,7 @@ GST_START_TEST(test_another_board_is_named) {
   RigFixture f(rig_views::stereo());
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "board", "checkerboard:9x6:30mm", nullptr);
-  f.start();
-  f.push_all();
-  f.end_all();
+  f.run();
   fail_unless(f.final_result() == nullptr);
   const auto texts = f.bus.texts(GST_MESSAGE_WARNING);
   fail_unless_equals_int(texts.size(), 1);

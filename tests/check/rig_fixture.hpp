@@ -87,6 +87,12 @@ struct RigFixture {
   void end_all() {
     for (GstHarness* h : harnesses) gst_harness_push_event(h, gst_event_new_eos());
   }
+  // A whole session, with the properties that were set before.
+  void run() {
+    start();
+    push_all();
+    end_all();
+  }
   const GstStructure* final_result() {
     for (const GstStructure* s : bus.named("calib-rig-result")) {
       if (std::strcmp(gst_structure_get_string(s, "state"), "final") == 0) return s;

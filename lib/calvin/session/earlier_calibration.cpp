@@ -21,12 +21,14 @@ namespace calvin {
 namespace {
 
 constexpr std::size_t kFewestViews = 5;
-constexpr double kWellKnown = 0.5;   // px, that nothing has moved by more
-constexpr double kAsExact = 4;       // likewise, times the expected error, but no more than this:
-constexpr double kWorthTelling = 2;  // px
-constexpr double kUsual = 0.25;      // px, the expected error of a calibration that does not tell
-constexpr double kSeen = 0.2;        // of the picture, where boards were
-constexpr double kMoved = 4;         // sigma
+constexpr double kMoved = 4;   // sigma
+constexpr double kSeen = 0.2;  // of the picture, where boards were
+// That nothing has moved is told where it has by no more than kAsExact times the expected error of
+// the calibration, which is kUsual where that does not tell; within these limits, px.
+constexpr double kAsExact = 4;
+constexpr double kUsual = 0.25;
+constexpr double kLeastBound = 0.5;
+constexpr double kMostBound = 2;
 
 // px: two sigma more than what may be seen.
 double most_moved(const RecheckReport& report) {
@@ -48,8 +50,7 @@ double share_seen(const Session::Views& views, ImageSize size) {
 bool is_known(const EarlierVerdict& verdict, const Calibration& calibration, double seen) {
   if (!verdict.holds) return true;
   const double exact = kAsExact * calibration.expected_error.value_or(kUsual);
-  return seen >= kSeen &&
-         most_moved(verdict.report) <= std::clamp(exact, kWellKnown, kWorthTelling);
+  return seen >= kSeen && most_moved(verdict.report) <= std::clamp(exact, kLeastBound, kMostBound);
 }
 
 std::string words_for(const EarlierVerdict& verdict, const std::string& name) {

@@ -29,7 +29,7 @@ namespace {
 constexpr std::size_t kMostViews = 30;  // the latest ones
 constexpr double kPriorWidth = 0.02;    // of the image width, 1 sigma of a parameter's effect
 constexpr double kSimilar = 0.02;  // of the image diagonal: boards nearer than this are one view
-constexpr double kLeast = 0.3;     // px, of a contradiction that matters
+constexpr double kLeast = 0.3;     // px, of a displacement that matters
 constexpr double kSigmas = 2;      // a change that is less likely by chance is one
 
 // The columns of the parameters with a sigma; of all parameters where none has one.
@@ -314,14 +314,14 @@ std::string advice(const RecheckReport& report) {
       report.displacement, report.displacement_sigma);
 }
 
-std::optional<RecheckReport> contradiction(const Camera& camera, const Calibration& calibration,
-                                           std::span<const View> views,
-                                           std::optional<ReadoutTime> readout) {
+std::optional<RecheckReport> proved_displacement(const Camera& camera,
+                                                 const Calibration& calibration,
+                                                 std::span<const View> views,
+                                                 std::optional<ReadoutTime> readout) {
   constexpr double kCertain = 3;  // sigma
   const RecheckReport report = Recheck(camera, calibration, readout).add(views);
-  const bool contradicts =
-      report.displacement > std::max(kCertain * report.displacement_sigma, kLeast);
-  return contradicts ? std::optional(report) : std::nullopt;
+  const double least = std::max(kCertain * report.displacement_sigma, kLeast);
+  return report.displacement > least ? std::optional(report) : std::nullopt;
 }
 
 void judge_held_camera(Solution& solution, std::span<const View> views,
@@ -330,7 +330,7 @@ void judge_held_camera(Solution& solution, std::span<const View> views,
   const auto camera = Camera::make(*options.initial);
   if (!camera) return;
   Calibration& calibration = solution.calibration;
-  const auto moved = contradiction(*camera, *options.initial, views, options.readout);
+  const auto moved = proved_displacement(*camera, *options.initial, views, options.readout);
   const double rms = calibration.rms.value_or(0);
   const double chi = calibration.chi.value_or(0);
   const bool is_off = moved || (chi > kFarOff && rms > kLeast);

@@ -99,12 +99,11 @@ class Recheck {
   std::vector<Condensed> views_;  // in order of time
 };
 
-// What views prove of the camera of a calibration where they contradict it: a displacement of more
-// than 3 sigma, and of .3 px. `readout`: as for Recheck.
-[[nodiscard]] std::optional<RecheckReport> contradiction(const Camera& camera,
-                                                         const Calibration& calibration,
-                                                         std::span<const View> views,
-                                                         std::optional<ReadoutTime> readout = {});
+// What the views of a calibration's camera prove that it has moved by, where that is more than 3
+// sigma and .3 px. `readout`: as for Recheck.
+[[nodiscard]] std::optional<RecheckReport> proved_displacement(
+    const Camera& camera, const Calibration& calibration, std::span<const View> views,
+    std::optional<ReadoutTime> readout = {});
 
 // The verdict on the camera that solve_poses() held, of which nothing but these views tells that it
 // is theirs: misfit, and a remark where it is not.

@@ -186,18 +186,31 @@ TEST(Poses, AreAllThatIsSolvedWhereTheCameraIsHeld) {
   EXPECT_FALSE(check(options)) << "two cameras";
 }
 
+// So many views, each of a board that is tilted by up to `tilt`, with corners that are off by
+// `noise` px.
+std::vector<View> tilted_views(const Camera& camera, int count, double tilt, double noise,
+                               Random& random) {
+  std::vector<View> views;
+  for (int i = 0; i < count; ++i) {
+    const SE3 pose = scenes::random_pose(camera, kBoard, random, tilt);
+    views.push_back(scenes::observe(camera, kBoard, pose, noise, random));
+  }
+  return views;
+}
+
+SolveOptions holding(Calibration camera) {
+  SolveOptions options;
+  options.fix = {"all"};
+  options.initial = std::move(camera);
+  return options;
+}
+
 // Poses before a wrong camera look like any: the corners say that it is none of theirs.
 TEST(Poses, SayThatTheCameraThatIsHeldIsAnother) {
   Random random(3);
   const Camera camera = scenes::random_camera("brown5", random);
-  std::vector<View> views;
-  for (int i = 0; i < 8; ++i) {
-    const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.3);
-    views.push_back(scenes::observe(camera, kBoard, pose, 0.05, random));
-  }
-  SolveOptions options;
-  options.fix = {"all"};
-  options.initial = camera.to_calibration();
+  const auto views = tilted_views(camera, 8, 0.3, 0.05, random);
+  SolveOptions options = holding(camera.to_calibration());
   options.initial->misfit = "board";
   options.initial->remarks = {"of the views before"};
   const auto right = solve(views, scenes::kSize, options);
@@ -219,14 +232,8 @@ TEST(Poses, SayThatTheCameraThatIsHeldIsAnother) {
 TEST(Poses, SayThatTheCameraThatIsHeldIsASimilarOne) {
   Random random(3);
   const Camera camera = scenes::random_camera("brown5", random);
-  std::vector<View> views;
-  for (int i = 0; i < 12; ++i) {
-    const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.7);
-    views.push_back(scenes::observe(camera, kBoard, pose, 0.15, random));
-  }
-  SolveOptions options;
-  options.fix = {"all"};
-  options.initial = camera.to_calibration();
+  const auto views = tilted_views(camera, 12, 0.7, 0.15, random);
+  SolveOptions options = holding(camera.to_calibration());
   options.initial->expected_error = 0.07;
   const auto right = solve(views, scenes::kSize, options);
   ASSERT_TRUE(right.has_value());

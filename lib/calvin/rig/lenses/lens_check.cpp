@@ -32,11 +32,12 @@ std::vector<std::string> lens_remarks(const std::vector<RigCameraViews>& seen,
   std::vector<std::string> remarks;
   for (std::size_t c = 0; c < seen.size(); ++c) {
     const auto& [calibration, views] = seen[c];
-    const auto report = contradiction(cameras[c], calibration, views, readout_of(views));
+    const auto report = proved_displacement(cameras[c], calibration, views, readout_of(views));
     if (!report) continue;
     remarks.push_back(fmt::format(
         "The views of '{}' contradict its intrinsics by {:.2g} +- {:.1g} px: they are of another "
-        "camera, or its lens has moved, and the rig is off by more than its sigmas say. Calibrate "
+        "camera, its lens has moved, or the board is bent, and the rig is off by more than its "
+        "sigmas say. Calibrate "
         "'{}' again, or let the rig find its intrinsics (estimate-intrinsics=free).",
         calibration.camera, report->displacement, report->displacement_sigma, calibration.camera));
   }
