@@ -30,24 +30,7 @@ expect 2 'a length' "$board" identify board.png --side wide
 expect 1 'cannot be read\|can be read' "$board" identify boards.json
 expect 0 'Usage' "$board" --help
 
-# Twelve views through a pinhole, tilted each in its own way.
-views() {
-  awk 'BEGIN {
-    print "{\"format\":\"calvin-observations\",\"version\":1,\"board\":\"checkerboard:9x6:25mm\"}"
-    for (n = 0; n < 12; ++n) {
-      a = 0.5 * sin(2.4 * n); b = 0.5 * cos(2.4 * n); points = ""
-      for (i = 0; i < 54; ++i) {
-        x = 0.025 * (i % 9 - 4); y = 0.025 * (int(i / 9) - 2.5)
-        z = 0.45 + x * sin(a) + y * cos(a) * sin(b)
-        u = 320 + 500 * (x * cos(a) - y * sin(a) * sin(b) + 0.02 * sin(n)) / z
-        v = 240 + 500 * (y * cos(b) + 0.02 * cos(3 * n)) / z
-        points = points sprintf("%s[%d,%.4f,%.4f,0.05]", i ? "," : "", i, u + 0.05 * sin(99 * n + 7 * i * i), v + 0.05 * cos(77 * n + 5 * i * i))
-      }
-      printf "{\"timestamp\":%d,\"image_size\":[640,480],\"points\":[%s]}\n", n, points
-    }
-  }'
-}
-views >views.jsonl
+pinhole_views 12 >views.jsonl
 expect 2 'pictures of it' "$board" measure boards.json#floor
 expect 1 'calvin-board add' "$board" measure checkerboard:9x6:25mm views.jsonl
 expect 1 'none.jsonl' "$board" measure boards.json#floor none.jsonl

@@ -8,21 +8,7 @@ solve=$(realpath "$1")
 # shellcheck source=tests/pipelines/program.sh
 . "$(dirname "$0")/program.sh"
 
-# Eight views of a board by a pinhole of 500 px, a second apart.
-awk 'BEGIN {
-  print "{\"format\":\"calvin-observations\",\"version\":1,\"board\":\"checkerboard:9x6:25mm\"}"
-  for (n = 0; n < 8; ++n) {
-    a = 0.5 * sin(2.4 * n); b = 0.5 * cos(2.4 * n); points = ""
-    for (i = 0; i < 54; ++i) {
-      x = 0.025 * (i % 9 - 4); y = 0.025 * (int(i / 9) - 2.5)
-      z = 0.45 + x * sin(a) + y * cos(a) * sin(b)
-      u = 320 + 500 * (x * cos(a) - y * sin(a) * sin(b) + 0.05 * sin(n)) / z
-      v = 240 + 500 * (y * cos(b) + 0.02 * cos(3 * n)) / z
-      points = points sprintf("%s[%d,%.4f,%.4f,0.05]", i ? "," : "", i, u + 0.05 * sin(99 * n + 7 * i * i), v + 0.05 * cos(77 * n + 5 * i * i))
-    }
-    printf "{\"timestamp\":%d000000000,\"image_size\":[640,480],\"points\":[%s]}\n", n + 1, points
-  }
-}' >views.jsonl
+pinhole_views 8 >views.jsonl
 
 # The board that a file of observations has, or that of --board, if it is the same of another size.
 expect 0 'view 0, 1.000 s: 54 points' "$solve" camera.json views.jsonl
