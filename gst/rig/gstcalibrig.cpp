@@ -134,8 +134,8 @@ static GstFlowReturn gst_calib_rig_chain(GstPad* pad, GstObject* parent, GstBuff
   return gst_pad_push(source, buffer);
 }
 
-static void gst_calib_rig_finish(GstCalibRig* self) {
-  self->solver->finish();
+// Where nobody is linked behind it, the pipeline ends with the session.
+static void gst_calib_rig_post_eos(GstCalibRig* self) {
   if (!GST_OBJECT_FLAG_IS_SET(self, GST_ELEMENT_FLAG_SINK)) return;
   GstMessage* message = gst_message_new_eos(GST_OBJECT(self));
   GST_OBJECT_LOCK(self);
@@ -186,7 +186,10 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
     case GST_EVENT_EOS:
       self->solver->take_waiting_points(gst::camera_of(pad), {}, GST_CLOCK_TIME_NONE,
                                         [](Pixel, double) { return std::nullopt; });
-      if (gst::camera_ends(GST_ELEMENT(self), self->end, pad, event)) gst_calib_rig_finish(self);
+      if (gst::camera_ends(GST_ELEMENT(self), self->end, pad, event)) {
+        self->solver->finish();
+        gst_calib_rig_post_eos(self);
+      }
       gst_calib_rig_push_rig(self, pad);
       break;
     case GST_EVENT_CUSTOM_DOWNSTREAM:
@@ -274,12 +277,11 @@ static void gst_calib_rig_release_pad(GstElement* element, GstPad* pad) {
   gst_pad_set_element_private(source, nullptr);
   gst_element_remove_pad(element, source);
   gst_element_remove_pad(element, pad);
-  const bool is_over = gst::camera_goes(element, GST_CALIB_RIG(element)->end);
+  GstCalibRig* self = GST_CALIB_RIG(element);
+  const bool is_over = gst::camera_goes(element, self->end);
   if (!is_over || GST_STATE(element) <= GST_STATE_READY) return;
   // Whoever releases a pad does not wait for the last solve.
-  gst_element_call_async(
-      element, [](GstElement* rig, gpointer /*data*/) { gst_calib_rig_finish(GST_CALIB_RIG(rig)); },
-      nullptr, nullptr);
+  self->solver->finish_later([self] { gst_calib_rig_post_eos(self); });
 }
 
 // ---- Element ------------------------------------------------------------------------------------

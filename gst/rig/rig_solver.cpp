@@ -231,9 +231,27 @@ bool RigSolver::reinsert(std::size_t camera) {
 }
 
 void RigSolver::finish() {
-  if (!reader_.drain() || !watcher_.drain() || !worker_.drain()) return;
+  if (reader_.drain() && solve_last()) tell_end();
+}
+
+void RigSolver::finish_later(std::function<void()> then) {
+  reader_.offer([this, then = std::move(then)](const std::stop_token& stop) {
+    read_intrinsics(stop);
+    if (!solve_last()) return;
+    const auto report = reader_.begin_report(stop, element_);
+    if (!report) return;
+    tell_end();
+    then();
+  });
+}
+
+bool RigSolver::solve_last() {
+  if (!watcher_.drain() || !worker_.drain()) return false;
   solve_if_due(true);
-  if (!worker_.drain()) return;
+  return worker_.drain();
+}
+
+void RigSolver::tell_end() {
   std::optional<Error> error;
   std::optional<Error> write_error;
   bool has_rig = false;

@@ -73,6 +73,9 @@ class RigSolver : public SharedSettings<RigSettings> {
              GstClockTime shared_clock);
   // The last camera has come to its end: waits for the last solve, and says what came of it.
   void finish();
+  // The same for who does not wait: on the reader, and `then` after it. Neither where all is
+  // cancelled before.
+  void finish_later(std::function<void()> then);
 
   // Any thread: a camera that has moved stands where it does now. A WARNING, and false, where there
   // is no camera of that name.
@@ -123,7 +126,10 @@ class RigSolver : public SharedSettings<RigSettings> {
                const std::stop_token& stop);
   // On the watcher.
   void watch(const WatchJob& job, const std::stop_token& stop);
-  // At the end, where the last solve failed and one before did not.
+  // At the end, after what was read: false where all was cancelled.
+  [[nodiscard]] bool solve_last();
+  void tell_end();
+  // Where the last solve failed and one before did not.
   void keep_last(const Error& error);
 
   GstElement* element_;
