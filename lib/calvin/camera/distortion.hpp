@@ -51,8 +51,11 @@
 namespace calvin::lens {
 
 // The x in [0, limit] with f(x) = target, for an f that grows there from f(0) = 0: Newton kept
-// inside a bracket, to the last step that is at most `tolerance` * (1 + x). `f` returns {value,
-// slope}. Absent where the target is out of reach.
+// inside a bracket, to a last step of at most `tolerance` * (1 + x). `f` returns {value, slope}.
+// Absent where the target is out of reach. Steps that do not become half as long are bisections
+// instead, as Newton jumps between the ends of a bracket or creeps away from a pole; and beside a
+// pole its steps are short far from the answer, so that the value has to have arrived as well
+// (Press et al., Numerical Recipes, rtsafe).
 template <typename F>
 std::optional<double> invert_growing(F f, double target, double limit, double tolerance = 1e-16) {
   double low = 0;
@@ -66,13 +69,19 @@ std::optional<double> invert_growing(F f, double target, double limit, double to
     if (i == 64) return std::nullopt;
     high *= 2;
   }
+  const double close = std::max(1e-9, 10 * tolerance) * (1 + target);
   double x = std::min(target, high);
-  for (int i = 0; i < 100; ++i) {
+  double last = high - low;
+  for (int i = 0; i < 200; ++i) {
     const auto [value, slope] = f(x);
     (value < target ? low : high) = x;
-    double next = x - (value - target) / slope;
-    if (!(next > low && next < high)) next = (low + high) / 2;
-    if (std::abs(next - x) <= tolerance * (1 + x)) return next;
+    const double off = value - target;
+    const bool has_arrived = std::abs(off) <= close;
+    double next = x - off / slope;
+    const bool is_slow = !has_arrived && std::abs(next - x) > last / 2;
+    if (!(next > low && next < high) || is_slow) next = (low + high) / 2;
+    last = std::abs(next - x);
+    if (last <= tolerance * (1 + x) && (has_arrived || high - low <= tolerance)) return next;
     x = next;
   }
   return x;

@@ -4,6 +4,7 @@
 // How far each lens sees, where lenses of different models are the same one, and what is published
 // of them.
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -125,6 +126,40 @@ TEST(Limit, IsWhereThePictureStopsGrowing) {
       EXPECT_LT((*back - expected).norm(), 1e-6) << angle;
     }
   }
+}
+
+// Poles of a rational lens, folds and steep rims at random places.
+TEST(Limit, HasOneRayForEachPixelBeforeIt) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> coefficient(-1, 1);
+  std::size_t count = 0;
+  const auto judge = [&](std::string_view model, const std::vector<double>& d) {
+    SCOPED_TRACE(std::string(model) + ::testing::PrintToString(d));
+    std::vector<double> p = {300, 300, 319.5, 239.5};
+    p.insert(p.end(), d.begin(), d.end());
+    const auto camera = Camera::make(model, {640, 480}, p);
+    if (!camera) return;
+    for (double angle = 0.02; angle < 3; angle += 0.02) {
+      const auto pixel = camera->project(ray(angle, 0.6));
+      if (!pixel || std::hypot(pixel->u, pixel->v) > 1e5) return;
+      ++count;
+      const auto back = camera->unproject(*pixel);
+      ASSERT_TRUE(back) << angle;
+      const auto again = camera->project(*back);
+      ASSERT_TRUE(again) << angle;
+      ASSERT_NEAR(again->u, pixel->u, 1e-6) << angle;
+      ASSERT_NEAR(again->v, pixel->v, 1e-6) << angle;
+    }
+  };
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<double> d(8);
+    for (double& value : d) value = coefficient(random);
+    judge("fisheye", {d[0], d[1], d[2], d[3] / 3});
+    judge("rational8", {d[0], d[1], 0, 0, d[2], d[3], d[4], d[5]});
+  }
+  judge("rational8", {0, 0, 0, 0, 0, -0.53, 0, 0});
+  judge("fisheye", {0.0731125, -0.288286, 0.364733, -0.050153});
+  EXPECT_GT(count, 50000U);
 }
 
 TEST(Limit, OfNoLensIsRefused) {

@@ -143,7 +143,7 @@ struct Brown {
     const double target = std::hypot(goal[0], goal[1]);
     // Near enough for Newton. The other terms move the rim a little: start from the limit and let
     // it decide.
-    constexpr double kNear = 1e-2;
+    constexpr double kNear = 1e-4;
     const auto image = [d](double s) { return radial(d, s); };
     const double r = invert_growing(image, target, limit, kNear).value_or(limit);
     if (!std::isfinite(r)) return std::nullopt;
@@ -163,8 +163,10 @@ struct Brown {
       const double dy = (j[0] * ey - j[2] * ex) / determinant;
       x -= dx;
       y -= dy;
-      // The error that is left goes with the square of the step, and grows towards a fold.
-      arrived = dx * dx + dy * dy <= 1e-17 * std::min(determinant, 1.0) ||
+      // The error that is left goes with the square of the step, and grows towards a fold. Beside
+      // a pole steps are short far from the answer.
+      arrived = (dx * dx + dy * dy <= 1e-17 * std::min(determinant, 1.0) &&
+                 std::abs(ex) + std::abs(ey) <= 1e-4 * (1 + target)) ||
                 std::abs(ex) + std::abs(ey) <= 1e-15 * (1 + target);
     }
     if (!arrived) {  // rounding may move the last digits for ever
