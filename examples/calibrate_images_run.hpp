@@ -77,7 +77,7 @@ inline GstElement* make_pipeline(const Options& options, const std::vector<Pictu
                nullptr);
   g_object_set(calibrate, "board", options.board.c_str(), "model", options.model.c_str(),
                "location", options.location().c_str(), "overlay", FALSE, "post-messages", TRUE,
-               nullptr);
+               "overwrite", TRUE, nullptr);
   if (!options.fix.empty()) g_object_set(calibrate, "fix", options.fix.c_str(), nullptr);
   if (!options.initial.empty())
     g_object_set(calibrate, "initial", options.initial.c_str(), nullptr);

@@ -102,6 +102,11 @@ class CalibSolver : public SharedSettings<SessionSettings> {
 
   // Native JSON of the newest solution, empty before the first one.
   [[nodiscard]] std::string calibration_json();
+  // The solves of a final result, without the first one.
+  [[nodiscard]] int refinements() { return settings().runs - 1; }
+  void set_refinements(int count) {
+    change_settings([count](SessionSettings& s) { s.runs = count + 1; });
+  }
   [[nodiscard]] GstStructure* stats();
 
  private:

@@ -29,11 +29,14 @@ bool CalibSolver::begin_write(const WriteJob& job) {
 
 void CalibSolver::run_write(const WriteJob& job, const std::stop_token& stop) {
   if (!begin_write(job)) return;
-  const auto outcome =
-      files_.write(job.files, job.calibration, job.final, job.origin.session, [this, &job] {
-        const std::lock_guard guard(lock_);
-        return session_.is_current(job.origin);
-      });
+  SessionFiles::Questions questions;
+  questions.counts = [this, &job] {
+    const std::lock_guard guard(lock_);
+    return session_.is_current(job.origin);
+  };
+  questions.contradicted = [&job](const Calibration& before) { return contradict(job, before); };
+  const auto outcome = files_.write(job.files, job.calibration, job.final, job.overwrite,
+                                    job.origin.session, questions);
   const std::string& kept = outcome.kept;
   GST_DEBUG_OBJECT(element_, "%" G_GSIZE_FORMAT " files: %s", job.files.size(),
                    outcome.status ? "written" : outcome.status.error().message.c_str());

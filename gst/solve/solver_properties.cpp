@@ -59,9 +59,14 @@ constexpr GEnumValue kBoardShapes[] = {
 constexpr Property<CalibSolver> kRows[] = {
     {"location", "Location",
      "File for the calibration (native JSON), written at the first solve and whenever it got "
-     "better; that of another session is replaced by the final result, or by one as good",
+     "better; that of another session is replaced by one as good, or by the final result where "
+     "views contradict it",
      kept_in<&SessionSettings::location>},
     {"export", "Export", export_blurb, kept_in<&SessionSettings::exports>},
+    {"overwrite", "Overwrite",
+     "Replace what location and export hold of another session though it is better; it is kept "
+     "as FILE~",
+     kept_in<&SessionSettings::overwrite>},
     {"journal",
      "Journal",
      "File that every view is written to before it is announced, and from which the next run takes "
@@ -139,7 +144,12 @@ constexpr Property<CalibSolver> kRows[] = {
      "Solves that make a final result: before each after the first one the corners of views taken "
      "since it is set are looked at again, as lens and pose let them be seen",
      kept_in<&SessionSettings::runs>,
-     {.range = Range{1, 20}}},
+     {.range = Range{1, 20}, .other_name = "refinements"}},
+    {"refinements",
+     "Refinements",
+     "How often the corners are looked at again for a final result: runs less one",
+     returned_by<&CalibSolver::refinements, &CalibSolver::set_refinements>,
+     {.range = Range{0, 19}, .other_name = "runs"}},
     {"calibration", "Calibration",
      "The newest calibration as native JSON (unset before the first solve)",
      returned_by<&CalibSolver::calibration_json>},

@@ -3,6 +3,9 @@
 
 // The property `runs`: corners that are refined with the camera that they gave.
 
+#include <map>
+#include <string>
+
 #include "calvin/detect/patches.hpp"
 #include "solve_fixture.hpp"
 
@@ -110,12 +113,41 @@ GST_START_TEST(test_broken_patches_are_none) {
 }
 GST_END_TEST;
 
+static void count_notify(GObject* /*object*/, GParamSpec* spec, std::map<std::string, int>* seen) {
+  ++(*seen)[spec->name];
+}
+
+// Two names of one setting, on the bin as well.
+GST_START_TEST(test_refinements_are_runs_less_one) {
+  for (const char* name : {"calibsolve", "calibrate"}) {
+    g_autoptr(GstElement) element = gst_element_factory_make(name, nullptr);
+    gst_object_ref_sink(element);
+    std::map<std::string, int> seen;
+    g_signal_connect(element, "notify", G_CALLBACK(count_notify), &seen);
+    const auto value = [element](const char* property) {
+      int found = -1;
+      g_object_get(element, property, &found, nullptr);
+      return found;
+    };
+    fail_unless_equals_int(value("refinements"), 0);
+    g_object_set(element, "refinements", 4, nullptr);
+    fail_unless_equals_int(value("runs"), 5);
+    fail_unless(seen["runs"] > 0 && seen["refinements"] > 0);
+    seen.clear();
+    g_object_set(element, "runs", 3, nullptr);
+    fail_unless_equals_int(value("refinements"), 2);
+    fail_unless(seen["runs"] > 0 && seen["refinements"] > 0);
+  }
+}
+GST_END_TEST;
+
 static Suite* calibsolve_runs_suite() {
   Suite* suite = suite_create("calibsolve_runs");
   TCase* tc = tcase_create("general");
   suite_add_tcase(suite, tc);
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_test(tc, test_more_runs_leave_what_the_pictures_tell);
+  tcase_add_test(tc, test_refinements_are_runs_less_one);
   tcase_add_test(tc, test_calibdetect_sends_the_pixels_of_the_corners_along);
   tcase_add_test(tc, test_calibsolve_asks_for_them_where_it_looks_again);
   tcase_add_test(tc, test_broken_patches_are_none);

@@ -107,4 +107,12 @@ std::optional<EarlierVerdict> judge_earlier(const SolveJob& job) {
   return verdict;
 }
 
+bool contradict(const WriteJob& job, const Calibration& before) {
+  const auto camera = Camera::make(before);
+  if (!camera) return true;
+  std::vector<View> views;
+  for (const auto& view : job.views) views.push_back(*view);
+  return proved_displacement(*camera, before, views, job.readout).has_value();
+}
+
 }  // namespace calvin

@@ -31,4 +31,7 @@ struct EarlierVerdict {
 // or another size than the views, and where the views do not tell enough yet.
 [[nodiscard]] std::optional<EarlierVerdict> judge_earlier(const SolveJob& job);
 
+// Whether the views of that job prove that its camera is not as `before` has it.
+[[nodiscard]] bool contradict(const WriteJob& job, const Calibration& before);
+
 }  // namespace calvin

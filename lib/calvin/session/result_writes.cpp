@@ -36,7 +36,13 @@ void ResultWrites::ask(bool final) {
 std::optional<WriteJob> ResultWrites::take(const std::vector<CalibrationFile>& files,
                                            const JobOrigin& origin) {
   if (!std::exchange(asked_, false) || !unwritten_) return std::nullopt;
-  return WriteJob{*unwritten_, files, final_waits_, origin, ++last_number_};
+  WriteJob job;
+  job.calibration = *unwritten_;
+  job.files = files;
+  job.final = final_waits_;
+  job.origin = origin;
+  job.number = ++last_number_;
+  return job;
 }
 
 void ResultWrites::begun(const WriteJob& job) {
@@ -59,7 +65,9 @@ void ResultWrites::ended(const WriteJob& job, const SessionFiles::Outcome& outco
 }
 
 void ResultWrites::replaced(const SessionFiles::Outcome& outcome) {
-  if (outcome.lost) notices_.push_back({Notice::Kind::kWarning, *outcome.lost});
+  for (const auto& word : {outcome.lost, outcome.stayed}) {
+    if (word) notices_.push_back({Notice::Kind::kWarning, *word});
+  }
 }
 
 std::optional<Notice> ResultWrites::late(std::chrono::seconds waited) {

@@ -55,8 +55,12 @@ struct WriteJob {
   Calibration calibration;
   std::vector<CalibrationFile> files;
   bool final = false;
+  bool overwrite = false;  // SessionSettings::overwrite
   JobOrigin origin;
   std::uint64_t number = 0;  // of the writes of all sessions
+  // By which a better calibration that a file holds is judged before a final result replaces it.
+  Session::Views views;
+  std::optional<ReadoutTime> readout;
 };
 
 // What a journal is to hold next: that the views before are forgotten, if so, and then these.

@@ -44,6 +44,7 @@ struct SessionSettings {
   int max_views = 0;               // 0: no limit
   double target_error = 0;         // px of expected error; 0: none
   int runs = 1;                    // of a final solve
+  bool overwrite = false;          // what files hold of other sessions, though it is better
   std::uint64_t readout_time = 0;  // ns, from the first row of a frame to the last; 0: not known
 
   friend bool operator==(const SessionSettings&, const SessionSettings&) = default;

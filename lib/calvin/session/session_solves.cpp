@@ -162,7 +162,12 @@ Verdict CalibrationSession::verdict() const {
 // ---- Writes -------------------------------------------------------------------------------------
 
 std::optional<WriteJob> CalibrationSession::take_write() {
-  return writes_.take(plan_.files, origin());
+  auto job = writes_.take(plan_.files, origin());
+  if (!job) return job;
+  job->overwrite = plan_.settings.overwrite;
+  job->views = views_.views();
+  job->readout = views_.readout();
+  return job;
 }
 
 bool CalibrationSession::begin_write(const WriteJob& job) {

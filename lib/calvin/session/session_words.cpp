@@ -138,12 +138,14 @@ Notice frames_again(std::size_t kept) {
 }
 
 Notice kept_file(const std::string& path) {
-  return {Notice::Kind::kInfo,
-          {ErrorCode::kInvalidArgument,
-           fmt::format("'{}' holds the calibration of another session, which stays until this "
-                       "one's is final or as good: end with EOS (gst-launch-1.0 -e) or emit "
-                       "the signal solve to replace it.",
-                       path)}};
+  return {
+      Notice::Kind::kInfo,
+      {ErrorCode::kInvalidArgument,
+       fmt::format("'{}' holds the calibration of another session, which stays until this "
+                   "one's is as good. Where the camera is another one since, the final result "
+                   "takes its place: end with EOS (gst-launch-1.0 -e) or emit the signal solve. "
+                   "overwrite=true replaces it at once.",
+                   path)}};
 }
 
 }  // namespace calvin

@@ -4,6 +4,7 @@
 // A session with a file, and another session's file in its place.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,17 +45,21 @@ class FilesOfSessions : public CalibrationSessions {
     const auto job = session_.take_write();
     EXPECT_TRUE(job.has_value()) << "no write is asked for";
     if (!job || !session_.begin_write(*job)) return {};
-    auto outcome = files_.write(job->files, job->calibration, job->final, job->origin.session,
-                                [&] { return session_.is_current(job->origin); });
+    auto outcome = write(*job, [&] { return session_.is_current(job->origin); });
     session_.end_write(*job, outcome);
     return outcome;
+  }
+  SessionFiles::Outcome write(const WriteJob& job, std::function<bool()> counts) {
+    return files_.write(
+        job.files, job.calibration, job.final, job.overwrite, job.origin.session,
+        {std::move(counts), [this](const Calibration&) { return are_contradicted_; }});
   }
   // Or what a disk would say that is full.
   void fail_to_write() {
     const auto job = session_.take_write();
     ASSERT_TRUE(job.has_value());
     ASSERT_TRUE(session_.begin_write(*job));
-    session_.end_write(*job, {make_error(ErrorCode::kIo, "The disk is full."), {}, {}});
+    session_.end_write(*job, {make_error(ErrorCode::kIo, "The disk is full."), {}, {}, {}});
   }
   std::vector<std::string> notices() {
     std::vector<std::string> said;
@@ -71,6 +76,7 @@ class FilesOfSessions : public CalibrationSessions {
   TemporaryFolder folder_;
   std::string path_ = folder_.path("cam.json");
   SessionFiles files_;
+  bool are_contradicted_ = false;  // what files hold, by the views of the session
 };
 
 }  // namespace calvin

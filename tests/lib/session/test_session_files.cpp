@@ -63,7 +63,7 @@ TEST_F(FilesOfSessions, CountForTheSessionThatWroteThemAlone) {
   solve(0.5);
   const auto own = session_.take_write();
   ASSERT_TRUE(own.has_value());
-  session_.end_write(*late, {make_error(ErrorCode::kIo, "The disk is full."), path_, {}});
+  session_.end_write(*late, {make_error(ErrorCode::kIo, "The disk is full."), path_, {}, {}});
   EXPECT_TRUE(session_.verdict().status.has_value());
   EXPECT_TRUE(notices().empty());
   session_.end_write(*late, {});
@@ -79,11 +79,10 @@ TEST_F(FilesOfSessions, ThatFollowStayWhereTheirSessionHasEnded) {
   const auto job = session_.take_write();
   ASSERT_TRUE(session_.begin_write(*job));
   int files = 0;
-  const auto outcome =
-      files_.write(job->files, job->calibration, job->final, job->origin.session, [&] {
-        if (++files == 2) session_.reset();
-        return session_.is_current(job->origin);
-      });
+  const auto outcome = write(*job, [&] {
+    if (++files == 2) session_.reset();
+    return session_.is_current(job->origin);
+  });
   EXPECT_TRUE(outcome.status.has_value());
   EXPECT_EQ(folder_.entries(), 1u);
   EXPECT_EQ(views_of(path_), 3);
@@ -97,8 +96,8 @@ TEST_F(FilesOfSessions, SayWhatTheyHeldThoughAViewIsRemovedMeanwhile) {
   solve(0.5);
   const auto job = session_.take_write();
   ASSERT_TRUE(session_.begin_write(*job));
-  const auto outcome = files_.write(job->files, job->calibration, job->final, job->origin.session,
-                                    [] { return true; });
+  are_contradicted_ = true;
+  const auto outcome = write(*job, [] { return true; });
   ASSERT_TRUE(session_.remove_view(0));
   session_.end_write(*job, outcome);
   const auto said = notices();

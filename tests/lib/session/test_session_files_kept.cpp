@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "files_fixture.hpp"
 
 namespace calvin {
@@ -23,6 +25,7 @@ TEST_F(FilesOfSessions, KeepWhatAnotherSessionLeftUntilAResultIsFinal) {
   ASSERT_EQ(said.size(), 1u) << "once, however many results there are";
   EXPECT_EQ(said[0].find("'" + path_ + "' holds the calibration of another session"), 0u);
   ASSERT_TRUE(session_.solve_now(settings_).has_value());
+  are_contradicted_ = true;
   solve(0.3);
   write();
   EXPECT_EQ(views_of(path_), 4);
@@ -57,9 +60,77 @@ TEST_F(FilesOfSessions, AreReplacedAtOnceBySomethingAsGoodOfTheSameCamera) {
   }
 }
 
+// What a final result does to the calibration of another session, and what is said of it.
+TEST_F(FilesOfSessions, KeepWhatIsBetterAndNotContradicted) {
+  struct Case {
+    double before;
+    const char* camera;
+    bool contradicted;
+    bool overwrite;
+    bool stays;
+    const char* said;  // "" for nothing
+  };
+  const Case kCases[] = {
+      {0.2, "left", false, false, true, "overwrite=true"},
+      {0.2, "left", true, false, false, "took its place"},
+      {0.2, "left", false, true, false, "took its place"},
+      {0.2, "right", false, false, false, "took its place"},
+      {0.3, "left", false, false, false, ""},
+      {0.29, "left", false, false, false, "took its place"},  // which is as good
+  };
+  for (const Case& c : kCases) {
+    SCOPED_TRACE(fmt::format("{} {} {} {}", c.before, c.camera, c.contradicted, c.overwrite));
+    std::filesystem::remove(path_ + "~");
+    leave(c.before, c.camera);
+    SessionSettings settings;
+    settings.location = path_;
+    settings.overwrite = c.overwrite;
+    begin(settings);
+    are_contradicted_ = c.contradicted;
+    show(3);
+    ASSERT_TRUE(session_.solve_now(settings_).has_value());
+    solve(0.3);
+    write();
+    EXPECT_EQ(is_left(path_), c.stays);
+    EXPECT_EQ(is_left(path_ + "~"), !c.stays);
+    const auto said = notices();
+    ASSERT_EQ(said.size(), *c.said == '\0' ? 0U : 1U);
+    EXPECT_TRUE(said.empty() || said[0].find(c.said) != std::string::npos) << said[0];
+  }
+}
+
+// An export says no error of its own: it goes on saying the same as the file beside it.
+TEST_F(FilesOfSessions, KeepExportsBesideWhatIsBetter) {
+  const std::string cv = folder_.path("cv.json");
+  leave(0.2);
+  ASSERT_TRUE(write_calibration(cv, *read_calibration(path_), "opencv-json").has_value());
+  const auto before = read_file(cv);
+  begin_with("opencv-json:" + cv);
+  show(3);
+  ASSERT_TRUE(session_.solve_now(settings_).has_value());
+  solve(0.3);
+  write();
+  EXPECT_TRUE(is_left(path_));
+  EXPECT_EQ(read_file(cv).value_or(""), before.value_or("?"));
+}
+
+TEST_F(FilesOfSessions, AreReplacedAtOnceWhereThatIsSet) {
+  leave(0.01);
+  SessionSettings settings;
+  settings.location = path_;
+  settings.overwrite = true;
+  begin(settings);
+  show(3);
+  solve(0.5);
+  write();
+  EXPECT_EQ(views_of(path_), 3);
+  EXPECT_TRUE(is_left(path_ + "~"));
+}
+
 // Of two sessions in a row that were worse, the second one takes the place of the first.
 TEST_F(FilesOfSessions, KeepTheBestOfSeveralSessions) {
   leave(0.01);
+  are_contradicted_ = true;
   for (const double error : {0.3, 0.4, 0.35}) {
     begin_with();
     show(3);

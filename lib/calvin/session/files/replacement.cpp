@@ -5,6 +5,8 @@
 
 #include "calvin/session/files/replacement.hpp"
 
+#include <cmath>
+
 namespace calvin {
 
 std::optional<double> compared_error(const Calibration& calibration) {
@@ -23,6 +25,17 @@ bool may_replace(const Calibration& now, std::span<const Calibration> others) {
     if (!error || *error > *before) return false;
   }
   return known;
+}
+
+bool is_better_of_same(const Calibration& before, const Calibration& now) {
+  constexpr double kAsGood = 1.05;
+  const auto moved = [](const std::optional<double>& one, const std::optional<double>& other) {
+    return one && other && *one != *other;
+  };
+  if (before.camera != now.camera || before.image_size != now.image_size) return false;
+  if (moved(before.focus, now.focus) || moved(before.zoom, now.zoom)) return false;
+  const auto error = compared_error(before);
+  return error && kAsGood * *error < compared_error(now).value_or(HUGE_VAL);
 }
 
 }  // namespace calvin

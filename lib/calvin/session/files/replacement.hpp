@@ -20,4 +20,8 @@ namespace calvin {
 // camera and image size and no better: then nothing is lost.
 [[nodiscard]] bool may_replace(const Calibration& now, std::span<const Calibration> others);
 
+// Whether `before` is of the same camera, image size and position of the lens as a final result
+// `now`, and better than it by its own figures: by more than two solves of as good views differ.
+[[nodiscard]] bool is_better_of_same(const Calibration& before, const Calibration& now);
+
 }  // namespace calvin

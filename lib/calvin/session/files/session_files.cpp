@@ -79,6 +79,22 @@ std::optional<Error> lost_by(const std::string& path, const Calibration& before,
                            path, whose, figures(before), figures(now), kept.where)};
 }
 
+// A word for the user where a final result does not take the place of a better one.
+Error stays(const std::string& path, const Calibration& before, const Calibration& now) {
+  return {
+      ErrorCode::kInvalidArgument,
+      fmt::format("'{}' stays: the calibration of before is better by its own figures, with {}, "
+                  "than this one with {}, and these views do not contradict it. Set "
+                  "overwrite=true to replace it, or name another file.",
+                  path, figures(before), figures(now))};
+}
+
+// Formats that name no camera may hold any.
+bool is_of_same_camera(const Calibration& before, const Calibration& now) {
+  return before.image_size == now.image_size &&
+         (before.camera.empty() || before.camera == now.camera);
+}
+
 // Keeps what is no calibration, under a name that is free, and says so: whoever names a file of
 // boards or of views here means another one. It may be larger than any calibration.
 std::optional<Error> keep_other(const std::string& path) {
@@ -117,38 +133,51 @@ Status SessionFiles::write_one(const CalibrationFile& file, const Calibration& c
   return written;
 }
 
-SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& files,
-                                          const Calibration& calibration, bool final,
-                                          std::uint64_t session,
-                                          const std::function<bool()>& counts) {
-  if (std::exchange(session_, session) != session) ours_.clear();
-  std::map<std::string, std::optional<Calibration>> foreign;  // absent: no calibration
-  std::vector<Calibration> others;
-  bool any_unread = false;
+SessionFiles::Foreign SessionFiles::find_foreign(const std::vector<CalibrationFile>& files) const {
+  Foreign foreign;
   for (const CalibrationFile& file : files) {
     if (is_stream(file.path) || holds_ours(file.path)) continue;
     auto other = read_calibration(file.path);
-    // What only another build or a later version reads is one that tells nothing of itself.
     const bool unread = !other && other.error().code == ErrorCode::kUnsupported;
-    any_unread |= unread;
-    if (unread) other = Calibration();
-    if (other) others.push_back(*other);
-    foreign.emplace(file.path, other ? std::optional(*std::move(other)) : std::nullopt);
+    foreign.has_unread |= unread;
+    if (unread) other = Calibration();  // which tells nothing of itself
+    if (other) foreign.calibrations.push_back(*other);
+    foreign.by_path.emplace(file.path, other ? std::optional(*std::move(other)) : std::nullopt);
   }
-  const bool replace = final || (!any_unread && may_replace(calibration, others));
+  return foreign;
+}
+
+SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& files,
+                                          const Calibration& calibration, bool final,
+                                          bool overwrite, std::uint64_t session,
+                                          const Questions& questions) {
+  if (std::exchange(session_, session) != session) ours_.clear();
+  const Foreign foreign = find_foreign(files);
+  const auto better = std::ranges::find_if(foreign.calibrations, [&](const Calibration& before) {
+    return is_better_of_same(before, calibration);
+  });
+  const bool is_better = final && !overwrite && better != foreign.calibrations.end() &&
+                         !questions.contradicted(*better);
+  const bool replace =
+      overwrite || final || (!foreign.has_unread && may_replace(calibration, foreign.calibrations));
   Outcome outcome;
   for (const CalibrationFile& file : files) {
-    if (!counts()) break;
+    if (!questions.counts()) break;
     if (!final && is_stream(file.path)) continue;
-    const auto found = foreign.find(file.path);
-    const Calibration* before = found != foreign.end() && found->second ? &*found->second : nullptr;
+    const auto found = foreign.by_path.find(file.path);
+    const bool is_foreign = found != foreign.by_path.end();
+    const Calibration* before = is_foreign && found->second ? &*found->second : nullptr;
+    if (before != nullptr && is_better && is_of_same_camera(*before, calibration)) {
+      if (!outcome.stayed) outcome.stayed = stays(file.path, *better, calibration);
+      continue;
+    }
     if (!replace && before != nullptr) {
       if (outcome.kept.empty()) outcome.kept = file.path;
       continue;
     }
     const Kept kept = before != nullptr ? keep_calibration(file.path, *before) : Kept();
     std::optional<Error> lost;
-    if (found != foreign.end() && before == nullptr) lost = keep_other(file.path);
+    if (is_foreign && before == nullptr) lost = keep_other(file.path);
     Status written = write_one(file, calibration);
     if (before != nullptr) lost = lost_by(file.path, *before, calibration, kept);
     if (written && lost && !outcome.lost) outcome.lost = std::move(lost);
