@@ -68,12 +68,12 @@ static void hang_in_a_write(SolveFixture& f) {
   fail_unless(disk.reached());
 }
 
-// Another session's calibration, which no intermediate result replaces.
-static void write_a_better_one(const SolveFixture& f, const std::string& path) {
-  Calibration better = f.scene.camera.to_calibration();
-  better.camera = "left";
-  better.expected_error = 1e-9;
-  fail_unless(write_calibration(path, better).has_value());
+// Another camera's calibration, which only a final result replaces.
+static void write_another_one(const SolveFixture& f, const std::string& path) {
+  Calibration other = f.scene.camera.to_calibration();
+  other.camera = "right";
+  other.expected_error = 1e-9;
+  fail_unless(write_calibration(path, other).has_value());
 }
 
 GST_START_TEST(test_a_write_that_does_not_end_keeps_no_result_back) {
@@ -136,7 +136,7 @@ GST_START_TEST(test_a_final_result_that_waits_for_the_disk_stays_final) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
-  write_a_better_one(f, path);
+  write_another_one(f, path);
   hang_in_a_write(f);  // of cam.yaml
   g_signal_emit_by_name(f.element, "solve");
   fail_unless(comes([&] { return f.result("final") != nullptr; }));
@@ -168,7 +168,7 @@ GST_START_TEST(test_after_a_view_is_removed_nothing_is_final) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
-  write_a_better_one(f, path);
+  write_another_one(f, path);
   hang_in_a_write(f);  // of cam.yaml
   for (int n = 3; n < 5; ++n) gst_buffer_unref(f.push(n));
   g_signal_emit_by_name(f.element, "solve");
@@ -248,7 +248,7 @@ GST_START_TEST(test_a_flush_loses_no_word_of_a_write) {
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
   const bool held = __i__ == 1;
-  if (held) write_a_better_one(f, path);
+  if (held) write_another_one(f, path);
   hang_in_a_write(f);
   gst_harness_push_event(f.h, gst_event_new_flush_start());
   full = !held;
