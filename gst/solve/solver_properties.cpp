@@ -147,7 +147,7 @@ constexpr Property<CalibSolver> kRows[] = {
      {.range = Range{1, 20}, .other_name = "refinements"}},
     {"refinements",
      "Refinements",
-     "How often the corners are looked at again for a final result: runs less one",
+     "Number of times that the corners are looked at again for a final result: runs less one",
      returned_by<&CalibSolver::refinements, &CalibSolver::set_refinements>,
      {.range = Range{0, 19}, .other_name = "runs"}},
     {"calibration", "Calibration",

@@ -5,8 +5,6 @@
 
 #include "view/view_state.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <system_error>
 #include <utility>
@@ -34,10 +32,11 @@ Result<Rig> read_setting(const std::string& text) {
 
 }  // namespace
 
-const Property<ViewState> kViewProperties[3] = {
+const Property<ViewState> kViewProperties[4] = {
     {"rig",
      "Rig",
-     "The rig to show: its file or folder, read again when a file is replaced, or its JSON",
+     "The rig to show: its file or folder, read again when a file is replaced, or its JSON (unset: "
+     "that of the calibrig upstream)",
      kept_in<&ViewSettings::rig>,
      {.flags = kMutableReady}},
     {"orbit",
@@ -47,9 +46,14 @@ const Property<ViewState> kViewProperties[3] = {
      {.range = Range{-360, 360}}},
     {"is-live",
      "Is Live",
-     "Make each frame at its time, as a camera does",
-     returned_by<&ViewState::is_live, &ViewState::set_live>,
+     "Make each frame at its time, as a camera does; a filter has the frames of its input",
+     kept_in<&ViewSettings::is_live>,
      {.flags = kMutableReady}},
+    {"num-buffers",
+     "Number of Buffers",
+     "Number of frames to make before EOS (-1 = no end)",
+     kept_in<&ViewSettings::num_buffers>,
+     {.range = Range{-1, G_MAXINT}, .flags = kMutableReady}},
 };
 
 std::optional<ViewState::Stamp> ViewState::stamp_of(const std::string& path) {
@@ -66,13 +70,14 @@ std::optional<ViewState::Stamp> ViewState::stamp_of(const std::string& path) {
   return stamp;
 }
 
-Status ViewState::start() {
+Status ViewState::start(GstElement* element, bool may_come) {
   path_ = settings().rig;
+  const bool is_awaited = path_.empty() && may_come;
   const auto stamp = stamp_of(path_);
   const auto rig = read_setting(path_);
-  const bool may_come = !rig && (path_.empty() || rig.error().code == ErrorCode::kNotFound);
-  if (!rig && !may_come) return tl::unexpected<Error>(rig.error());
-  if (may_come) post_warning(GST_ELEMENT(element_), rig.error());
+  const bool is_there_later = !rig && (path_.empty() || rig.error().code == ErrorCode::kNotFound);
+  if (!rig && !is_there_later) return tl::unexpected<Error>(rig.error());
+  if (is_there_later && !is_awaited) post_warning(element, rig.error());
   auto scene = std::make_shared<Scene>();
   if (rig) {
     *scene = make_scene(*rig);
@@ -84,9 +89,20 @@ Status ViewState::start() {
     scene_ = std::move(scene);
     viewpoint_ = {};
     stamp_ = rig ? stamp : std::nullopt;
+    held_.reset();
   }
   next_look_ = 0;
   return reader_.start();
+}
+
+Status ViewState::show(const std::string& json) {
+  if (!path_.empty()) return {};
+  const auto rig = parse_rig(json);
+  if (!rig) return tl::unexpected<Error>(rig.error());
+  auto scene = std::make_shared<const Scene>(make_scene(*rig));
+  const std::lock_guard guard(lock_);
+  scene_ = std::move(scene);
+  return {};
 }
 
 // What cannot be read may be half written: the old rig stays until there is another one.
@@ -103,7 +119,7 @@ void ViewState::look_again() {
     }
     const auto rig = read_rig(path);
     if (!rig) return;
-    GST_INFO_OBJECT(element_, "the rig was replaced");
+    GST_INFO("the rig in '%s' was replaced", path.c_str());
     auto scene = std::make_shared<const Scene>(make_scene(*rig));
     const std::lock_guard guard(lock_);
     if (stop.stop_requested()) return;
@@ -125,19 +141,6 @@ Status ViewState::draw(GstClockTime time, ImageSize size, std::uint8_t* pixels,
         kDegree * settings_.orbit * static_cast<double>(time) / static_cast<double>(GST_SECOND);
   }
   return draw_scene(*scene, viewpoint, size, pixels, stride);
-}
-
-void ViewState::drag_by(double right, double down) {
-  constexpr double kTurn = 3;  // rad, for the height of the picture
-  const std::lock_guard guard(lock_);
-  viewpoint_.azimuth -= kTurn * right;
-  viewpoint_.elevation = std::clamp(viewpoint_.elevation + kTurn * down, -1.5, 1.5);
-}
-
-void ViewState::zoom_by(double steps) {
-  constexpr double kStep = 1.1;
-  const std::lock_guard guard(lock_);
-  viewpoint_.zoom = std::clamp(viewpoint_.zoom * std::pow(kStep, steps), 0.2, 8.0);
 }
 
 }  // namespace calvin::gst

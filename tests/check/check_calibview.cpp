@@ -3,6 +3,7 @@
 
 // calibview: a picture of a rig that goes around it, follows the mouse and its file.
 
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -11,63 +12,14 @@
 #include "calvin/core/file.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "calvin_config.h"
-#include "support.hpp"
+#include "view_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
-#include <gst/check/gstharness.h>
 #include <gst/video/navigation.h>
 
 using namespace calvin;
-
-namespace {
-
-Rig rig_of(double distance) {
-  Rig rig;
-  for (int c = 0; c < 2; ++c) {
-    RigCamera camera;
-    camera.calibration =
-        Camera::make("pinhole", {640, 480}, {500, 500, 320, 240}).value().to_calibration();
-    camera.calibration.camera = c == 0 ? "left" : "right";
-    camera.rig_from_camera.translation[0] = c * distance;
-    rig.cameras.push_back(std::move(camera));
-  }
-  rig.world = "left";
-  return rig;
-}
-
-// The element behind a harness, and its pictures of 320x240, 30 in a second of the system's clock:
-// what it makes is what it shows now.
-struct ViewFixture {
-  explicit ViewFixture(const std::string& properties = "orbit=0") {
-    (void)write_rig(location, rig_of(0.1));
-    h = gst_harness_new_parse(
-        ("calibview is-live=true rig=" + location + " " + properties).c_str());
-    gst_harness_use_systemclock(h);
-    gst_harness_set_sink_caps_str(h, "video/x-raw,width=320,height=240,framerate=30/1");
-  }
-  ~ViewFixture() { gst_harness_teardown(h); }
-  std::vector<std::uint8_t> pull(GstClockTime* pts = nullptr) {
-    g_autoptr(GstBuffer) buffer = gst_harness_pull(h);
-    if (pts != nullptr) *pts = GST_BUFFER_PTS(buffer);
-    GstMapInfo map;
-    gst_buffer_map(buffer, &map, GST_MAP_READ);
-    std::vector<std::uint8_t> pixels(map.data, map.data + map.size);
-    gst_buffer_unmap(buffer, &map);
-    return pixels;
-  }
-  // Whether one of the next pictures is another one.
-  bool changes_from(const std::vector<std::uint8_t>& before) {
-    for (int n = 0; n < 300; ++n) {
-      if (pull() != before) return true;
-    }
-    return false;
-  }
-  check::TemporaryFolder folder;
-  std::string location = folder / "rig.json";
-  GstHarness* h = nullptr;
-};
-
-}  // namespace
+using check::rig_of;
+using check::ViewFixture;
 
 #if CALVIN_HAVE_CAIRO
 
@@ -185,6 +137,25 @@ GST_START_TEST(test_the_mouse_turns_and_comes_closer) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_mouse_that_is_nowhere_turns_nothing) {
+  ViewFixture f;
+  gst_harness_play(f.h);
+  const auto none = static_cast<GstNavigationModifierType>(0);
+  const auto before = f.pull();
+  const auto move_to = [&](double x, double y) {
+    gst_harness_push_upstream_event(f.h, gst_navigation_event_new_mouse_move(x, y, none));
+  };
+  gst_harness_push_upstream_event(f.h,
+                                  gst_navigation_event_new_mouse_button_press(1, 50, 50, none));
+  move_to(HUGE_VAL, 50);
+  move_to(50, std::nan(""));
+  move_to(50, 50);
+  for (int n = 0; n < 20; ++n) fail_unless(f.pull() == before);
+  move_to(120, 60);
+  fail_unless(f.changes_from(before));
+}
+GST_END_TEST;
+
 GST_START_TEST(test_states_and_live) {
   check::TemporaryFolder folder;
   const std::string location = folder / "rig.json";
@@ -242,6 +213,7 @@ static Suite* calibview_suite(void) {
   tcase_add_test(tc, test_follows_the_file);
   tcase_add_test(tc, test_follows_the_files_of_a_folder);
   tcase_add_test(tc, test_the_mouse_turns_and_comes_closer);
+  tcase_add_test(tc, test_a_mouse_that_is_nowhere_turns_nothing);
   tcase_add_test(tc, test_states_and_live);
 #endif
   tcase_add_test(tc, test_no_rig_says_what_to_set);
