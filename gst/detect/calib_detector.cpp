@@ -52,7 +52,7 @@ Status CalibDetector::start() {
     dark_frames_ = 0;
   }
   luma_.reset();
-  async_ = mode_known_ = frame_refused_ = false;
+  async_ = mode_known_ = frame_refused_ = is_interlaced_ = false;
   last_detection_ = GST_CLOCK_TIME_NONE;
   if (Status started = start_boards(); !started) return started;
   if (Status started = start_recheck(); !started) return started;
@@ -158,6 +158,16 @@ Status CalibDetector::take_recheck(CalibrationReader::ReadResult read) {
 Status CalibDetector::set_format(const GstVideoInfo& info) {
   luma_.reset();
   if (Status readable = read_pictures(info); !readable) return readable;
+  // Of mixed video each frame says what it is, and most that is called so is not interlaced.
+  const bool is_interlaced = GST_VIDEO_INFO_IS_INTERLACED(&info) &&
+                             GST_VIDEO_INFO_INTERLACE_MODE(&info) != GST_VIDEO_INTERLACE_MODE_MIXED;
+  if (is_interlaced && !is_interlaced_) {
+    post_warning(element_,
+                 {ErrorCode::kUnsupported,
+                  "The video is interlaced, its fields show different moments: corners of a board "
+                  "that moves are wrong. Insert deinterlace before this element."});
+  }
+  is_interlaced_ = is_interlaced;
   info_ = info;
   mode_known_ = frame_refused_ = false;
   return {};

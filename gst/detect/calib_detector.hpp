@@ -160,6 +160,7 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
 
   // Streaming thread only. What the worker uses of it goes along with the job.
   GstVideoInfo info_{};
+  bool is_interlaced_ = false;  // and that was said
   std::shared_ptr<LumaReader> luma_;
   ImageSize luma_size_;
   SharedDetector detector_;

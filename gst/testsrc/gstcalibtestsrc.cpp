@@ -45,11 +45,12 @@ namespace {
 using namespace calvin;
 
 // I420 where downstream has no wish.
-constexpr char kCaps[] = "video/x-raw, format = (string) " CALVIN_PLANE_FORMATS
-                         ", "
-                         "width = (int) [ 16, 8192 ], height = (int) [ 16, 8192 ], "
-                         "framerate = (fraction) [ 1, 240 ], pixel-aspect-ratio = (fraction) 1/1, "
-                         "interlace-mode = (string) progressive";
+constexpr char kCaps[] =
+    "video/x-raw, format = (string) " CALVIN_PLANE_FORMATS
+    ", "
+    "width = (int) [ 16, 8192 ], height = (int) [ 16, 8192 ], "
+    "framerate = (fraction) [ 1/3600, 240 ], pixel-aspect-ratio = (fraction) 1/1, "
+    "interlace-mode = (string) progressive";
 constexpr ImageSize kDefaultSize = {640, 480};
 
 }  // namespace
@@ -144,7 +145,7 @@ static gboolean gst_calib_test_src_negotiate(GstBaseSrc* src) {
         GST_ELEMENT(src),
         {ErrorCode::kUnsupported,
          "Downstream takes no video that calibtestsrc makes (raw video of all formats but "
-         "RGB8P, 16x16 to 8192x8192 px, 1 to 240 frames per second): insert "
+         "RGB8P, 16x16 to 8192x8192 px, up to 240 frames per second): insert "
          "videoconvert, videoscale or videorate behind it."});
     return FALSE;
   }

@@ -19,7 +19,7 @@ namespace calvin::gst {
 
 // What the source makes, and what the filter does: that has the rate of its input, which may be
 // variable.
-inline constexpr char kMadeViewCaps[] = CALVIN_VIEW_CAPS "[ 1/2147483647, 240 ]";
+inline constexpr char kMadeViewCaps[] = CALVIN_VIEW_CAPS "[ 1/3600, 240 ]";
 inline constexpr char kAnyViewCaps[] = CALVIN_VIEW_CAPS "[ 0, 2147483647 ]";
 // What the filter stands behind, of which it needs no pixels.
 inline constexpr char kViewInputCaps[] = "video/x-raw(ANY)";
