@@ -253,7 +253,11 @@ void CalibSolver::run_command(const SolveCommand& command) {
       reset();
       break;
     case SolveCommand::Kind::kRemoveView:
-      remove_view(command.index);
+      if (!remove_view(command.index) && command.index) {
+        post_warning(element_, {ErrorCode::kInvalidArgument,
+                                "The event calvin-remove-view names no view that there is: its "
+                                "`index` is a number from 0, less than the `views` of messages."});
+      }
       break;
     case SolveCommand::Kind::kPoint:
       add_point(command.point);

@@ -67,8 +67,10 @@ GST_START_TEST(test_custom_events_are_the_signals) {
   fail_unless(f.result("final") != nullptr);
   fail_if(passes(f, custom("calvin-remove-view", 1)));
   fail_unless_equals_int(views(f), 4);
+  fail_if(f.bus.says(GST_MESSAGE_WARNING, "calvin-remove-view"));
   fail_if(passes(f, custom("calvin-remove-view", 4)));
   fail_unless_equals_int(views(f), 4);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "names no view that there is"));
   GstStructure* odd = gst_structure_new("calvin-remove-view", "index", G_TYPE_STRING, "1", nullptr);
   fail_if(passes(f, gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM, odd)));
   odd = gst_structure_new("calvin-remove-view", "index", G_TYPE_INT, -1, nullptr);

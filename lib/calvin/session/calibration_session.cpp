@@ -238,7 +238,7 @@ bool CalibrationSession::enough_views() const {
 Error CalibrationSession::too_few() const {
   if (has_points()) return too_few_points(points_.hint());
   if (useless_board_ && views_.views().empty()) return *useless_board_;
-  if (!is_detector_heard_) return nothing_detected();
+  if (!is_detector_heard_) return size_ == ImageSize{} ? no_frames() : nothing_detected();
   return too_few_views(views_.views().size(), least_views(), refused_, last_obstacle_);
 }
 

@@ -69,6 +69,12 @@ Error too_few_views(std::size_t views, int least, const Refusals& refused,
                   least, obstacle.empty() ? "" : " " + obstacle + ".", told(refused))};
 }
 
+Error no_frames() {
+  return {ErrorCode::kDegenerate,
+          "No calibration: the stream ended before its first frame. Look at what is upstream, as "
+          "the name of a file or a camera that sends nothing."};
+}
+
 Error nothing_detected() {
   return {ErrorCode::kDegenerate,
           "No calibration: no view of the board was taken, since no detector has said anything of "

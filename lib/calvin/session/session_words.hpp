@@ -27,6 +27,8 @@ using Refusals = std::map<Reason, std::size_t>;
 // `obstacle`: what keeps the detector from finding a board, or nothing.
 [[nodiscard]] Error too_few_views(std::size_t views, int least, const Refusals& refused,
                                   const std::string& obstacle);
+// The same where no frame has come.
+[[nodiscard]] Error no_frames();
 // The same where no detector has said anything of any frame.
 [[nodiscard]] Error nothing_detected();
 // The same where manual points are all there is; `hint`: what they lack.

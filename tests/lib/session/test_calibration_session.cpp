@@ -413,6 +413,9 @@ TEST_F(CalibrationSessions, SolveOnRequestWithTheSettingsThatAreBeingRead) {
 }
 
 TEST_F(CalibrationSessions, SayWhatIsMissingForARequest) {
+  session_.start(make_plan(settings_).value(), true);
+  EXPECT_NE(session_.solve_now(settings_).error().message.find("before its first frame"),
+            std::string::npos);
   begin();
   const Status none = session_.solve_now(settings_);
   ASSERT_FALSE(none.has_value());
