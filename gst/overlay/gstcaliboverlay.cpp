@@ -68,10 +68,12 @@ struct InView {
   std::span<const Pixel> ghost;  // Progress::ghost
 };
 
-// How much of that lies under what is drawn there; the board counts more than the ghost.
+// How much of that lies under what is drawn there; corners count more than the squares around them,
+// and these more than the ghost.
 int hidden(const OverlayBox& box, const InView& in_view, ImageSize frame) {
-  const int boards = hides_corner(box, in_view.boards, frame) ? 2 : 0;
-  return boards + (hides_outline(box, in_view.ghost, frame) ? 1 : 0);
+  const int corners = hides_corner(box, in_view.boards, frame) ? 4 : 0;
+  const int squares = hides_square(box, in_view.boards, frame) ? 2 : 0;
+  return corners + squares + (hides_outline(box, in_view.ghost, frame) ? 1 : 0);
 }
 
 // What is drawn changes places once the other place hides less.

@@ -65,6 +65,9 @@ struct OverlaySpan {
 // Whether a corner of a board lies under the box.
 [[nodiscard]] bool hides_corner(const OverlayBox& box, std::span<const Observation> seen,
                                 ImageSize frame);
+// Whether a square around its corners does, as wide as they are apart.
+[[nodiscard]] bool hides_square(const OverlayBox& box, std::span<const Observation> seen,
+                                ImageSize frame);
 // Whether a place of an outline does, as Progress::ghost has them: parts of the picture.
 [[nodiscard]] bool hides_outline(const OverlayBox& box, std::span<const Pixel> outline,
                                  ImageSize frame);

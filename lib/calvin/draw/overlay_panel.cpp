@@ -222,6 +222,28 @@ bool hides_corner(const OverlayBox& box, std::span<const Observation> seen, Imag
   });
 }
 
+bool hides_square(const OverlayBox& box, std::span<const Observation> seen, ImageSize frame) {
+  return std::ranges::any_of(seen, [&](const Observation& o) {
+    if (o.image_size.width < 1 || o.image_size.height < 1 || o.uv.size() < 2) return false;
+    const auto to_frame = ImageTransform::scaled(o.image_size, frame);
+    // Of corners in the order of their ids most are next to the one before.
+    std::vector<double> apart;
+    for (std::size_t i = 1; i < o.uv.size(); ++i) {
+      const Pixel one = to_frame(o.uv[i - 1]);
+      const Pixel next = to_frame(o.uv[i]);
+      const double distance = std::hypot(next.u - one.u, next.v - one.v);
+      if (std::isfinite(distance)) apart.push_back(distance);
+    }
+    if (apart.empty()) return false;
+    const auto middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
+    std::ranges::nth_element(apart, middle);
+    const int side = static_cast<int>(std::min(*middle, 1.0 * frame.width));
+    const OverlayBox around = {box.x - side, box.y - side, box.width + 2 * side,
+                               box.height + 2 * side};
+    return hides_corner(around, {&o, 1}, frame);
+  });
+}
+
 bool hides_outline(const OverlayBox& box, std::span<const Pixel> outline, ImageSize frame) {
   return std::ranges::any_of(outline, [&](const Pixel& part) {
     return is_under(box, {coordinate_at(part.u, frame.width), coordinate_at(part.v, frame.height)});

@@ -98,6 +98,21 @@ TEST(OverlayPanel, HidesACornerWhereOneIsUnderIt) {
   EXPECT_FALSE(is_hidden({60, 80})) << "of a picture whose size nobody knows";
 }
 
+TEST(OverlayPanel, HidesASquareAroundTheCorners) {
+  Observation seen;
+  seen.image_size = kFrame;
+  // Squares of 20 px, from `left` on to the right.
+  const auto is_hidden = [&](double left) {
+    seen.uv.clear();
+    for (int i = 0; i < 20; ++i) seen.uv.push_back({left + 20 * (i % 5), 200.0 + 20 * (i / 5)});
+    return hides_square({10, 180, 100, 50}, std::vector{seen}, kFrame);
+  };
+  EXPECT_TRUE(is_hidden(100));
+  EXPECT_TRUE(is_hidden(125));
+  EXPECT_FALSE(is_hidden(135));
+  EXPECT_FALSE(is_hidden(NAN));
+}
+
 TEST(OverlayPanel, HidesAnOutlineWhereAPlaceOfItIsUnderIt) {
   const OverlayBox box = {10, 20, 100, 50};  // of 640 x 480
   EXPECT_TRUE(hides_outline(box, std::vector<Pixel>{{0.5, 0.5}, {0.1, 0.1}}, kFrame));
