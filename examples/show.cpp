@@ -15,6 +15,13 @@
 namespace {
 
 constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+constexpr std::string_view kUsage =
+    R"(usage: calvin-show CALIBRATION [OTHER]
+Prints a calibration, and how many sigmas each parameter is from another one, as the truth of calibtestsrc.
+calvin-compare tells how far the two are apart in the picture.
+)";
 
 int failed(const calvin::Error& error) {
   fmt::print(stderr, "calvin-show: {}\n", error.message);
@@ -37,12 +44,13 @@ int run_tool(int argc, char** argv) {
   const bool help =
       argc == 2 && (std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h");
   if (help || argc < 2 || argc > 3) {
-    fmt::print(help ? stdout : stderr,
-               "usage: calvin-show CALIBRATION [OTHER]\n"
-               "Prints a calibration, and how many sigmas each parameter is from another one, as "
-               "the truth of calibtestsrc.\n"
-               "calvin-compare tells how far the two are apart in the picture.\n");
-    return help ? 0 : 2;
+    fmt::print(help ? stdout : stderr, "{}", kUsage);
+    return help ? 0 : kWrongUsage;
+  }
+  for (int i = 1; i < argc; ++i) {
+    if (!std::string_view(argv[i]).starts_with("--")) continue;
+    fmt::print(stderr, "calvin-show: '{}' is no option.\n\n{}", argv[i], kUsage);
+    return kWrongUsage;
   }
   const auto calibration = calvin::read_calibration(argv[1]);
   if (!calibration) return failed(calibration.error());

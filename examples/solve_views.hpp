@@ -125,6 +125,18 @@ inline std::map<std::uint64_t, std::string> pictures_by_time(const std::string& 
   return names;
 }
 
+// Whether views that say their size are of the one that --size gives, if it does.
+inline calvin::Status check_size(const std::string& source, const std::vector<calvin::View>& views,
+                                 const RowsOptions& options) {
+  if (!options.size || calvin::check_sizes(views, *options.size)) return {};
+  const calvin::ImageSize seen = views.front().observation.image_size;
+  return calvin::make_error(
+      calvin::ErrorCode::kInvalidArgument,
+      fmt::format("The views of '{}' are of images of {}x{} px, and --size is {}x{}: leave it out, "
+                  "or give their own. Rows of points alone need it.",
+                  source, seen.width, seen.height, options.size->width, options.size->height));
+}
+
 // The views of one of the arguments.
 inline calvin::Result<NamedViews> of(const std::string& source, const std::string& board,
                                      const RowsOptions& options,
@@ -133,6 +145,9 @@ inline calvin::Result<NamedViews> of(const std::string& source, const std::strin
   if (rig_views::are_pictures(source) || are_observations(source)) {
     auto views = rig_views::read(source, board, options.on_found);
     if (!views) return tl::unexpected<calvin::Error>(views.error());
+    if (const auto sized = check_size(source, *views, options); !sized) {
+      return tl::unexpected<calvin::Error>(sized.error());
+    }
     const auto files = pictures_by_time(source);
     for (calvin::View& view : *views) {
       const auto at = view.observation.timestamp;

@@ -60,9 +60,9 @@ void lens_was_set(UndistortSettings& settings, bool /*to_another*/) {
 constexpr Property<UndistortState> kRows[] = {
     {"calibration",
      "Calibration",
-     "The calibration: a file (native JSON, OpenCV, ROS, Kalibr), which may appear later and is "
-     "read "
-     "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list "
+     "The calibration: a file (native JSON, OpenCV, ROS, Kalibr, mrcal, COLMAP, caliscope, "
+     "Bouguet), which may appear later and is read again when it is replaced; or JSON text; or the "
+     "settings of cameraundistort; or a list "
      "such as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the "
      "calibration event of an element upstream. The file or text of a zoom table (calvin-zoom "
      "writes "

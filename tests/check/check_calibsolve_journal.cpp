@@ -232,7 +232,8 @@ GST_START_TEST(test_what_cannot_be_a_view_is_counted) {
     f.push_views(3);
     Observation beyond = f.seen(3);
     beyond.uv[0].u = 1e5;
-    std::ofstream(folder / "views.jsonl", std::ios::app) << print_observation(beyond, beyond.board);
+    std::ofstream(folder / "views.jsonl", std::ios::app)
+        << print_observation(beyond, beyond.board).value();
   }
   SolveFixture f(journal_in(folder));
   fail_unless_equals_int(views(f), 3);

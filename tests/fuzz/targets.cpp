@@ -215,10 +215,11 @@ void observation_file(std::string_view bytes) {
     require(parsed->whole_bytes <= bytes.size(), "no more is whole than there is");
     const auto cut = parse_observations(bytes.substr(0, parsed->whole_bytes));
     require(cut && cut->whole_bytes == parsed->whole_bytes, "what is whole is read alone");
-    const std::string printed = print_observations(*parsed);
-    const auto again = parse_observations(printed);
+    const auto printed = print_observations(*parsed);
+    require(printed.has_value(), "what was read can be printed");
+    const auto again = parse_observations(*printed);
     require(again.has_value(), "what is printed can be parsed");
-    require(print_observations(*again) == printed, "what is parsed again prints the same");
+    require(print_observations(*again) == *printed, "what is parsed again prints the same");
   }
   constexpr std::string_view kBoard = "checkerboard:3x2:10mm";
   const auto corners = parse_corners_vnl(bytes, kBoard, {640, 480}, "fuzzed");
@@ -245,7 +246,9 @@ void light_text(std::string_view bytes) {
   require(files || !files.error().message.empty(), "an error has a message");
   for (std::size_t f = 0; files && f < files->size(); ++f) {
     require_sound((*files)[f].observations);
-    const auto again = parse_observations(print_observations((*files)[f]));
+    const auto printed = print_observations((*files)[f]);
+    require(printed.has_value(), "what is read can be printed as observations");
+    const auto again = parse_observations(*printed);
     require(again && again->observations.size() == (*files)[f].observations.size(),
             "what is read can be written as observations");
   }

@@ -50,6 +50,8 @@ inline void expect_broken(const std::string& path, const std::string& text,
     ASSERT_FALSE(read.has_value()) << change.words;
     EXPECT_NE(read.error().message.find(change.words), std::string::npos) << read.error().message;
     EXPECT_NE(read.error().message.find(named), std::string::npos) << read.error().message;
+    // Whatever its numbers are, the caller's arguments are right.
+    EXPECT_NE(read.error().code, ErrorCode::kInvalidArgument) << read.error().message;
   }
 }
 

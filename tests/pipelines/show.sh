@@ -35,6 +35,8 @@ expect 1 'none.json' "$show" a.json none.json
 expect 1 'none.json' "$show" none.json
 expect 2 'usage' "$show"
 expect 0 'usage' "$show" --help
+expect 2 "'--bogus' is no option" "$show" --bogus
+expect 2 "'--bogus' is no option" "$show" a.json --bogus
 
 # A file of OpenCV need not say the size of its images.
 cat >opencv.json <<'END'

@@ -20,6 +20,11 @@ cp camera.json before.json
 expect 1 "and --board is 'circles:7x6:25mm'" "$solve" --board circles:7x6:25mm camera.json views.jsonl
 cmp -s camera.json before.json || fail 'a failure has touched the file'
 
+# Files of observations say how large their pictures are.
+expect 1 "of images of 640x480 px, and --size is 1280x960" "$solve" --size 1280x960 camera.json views.jsonl
+cmp -s camera.json before.json || fail 'a failure has touched the file'
+expect 0 'view 0, 1.000 s: 54 points' "$solve" --size 640x480 camera.json views.jsonl
+
 # A view that is given twice is no other one: the camera and its sigmas stay as they are.
 expect 0 'view 7, 8.000 s: 54 points' "$solve" camera.json views.jsonl
 cp camera.json once.json

@@ -54,6 +54,11 @@ const CameraFunctions* find_model(std::string_view name) {
   return it == table().end() ? nullptr : &*it;
 }
 
+constexpr double kMost = 1e12;  // no parameter is larger
+
+constexpr const char* kNoSize =
+    " Files of OpenCV need not say it: set image_size to that of the pictures.";
+
 tl::unexpected<Error> unknown_model(std::string_view name) {
   return make_error(
       ErrorCode::kUnsupported,
@@ -85,7 +90,7 @@ Result<Camera> Camera::make(const Calibration& calibration) {
   for (const std::string_view name : f->parameters) {
     const Parameter* p = calibration.find(name);
     if (p == nullptr) {
-      return make_error(ErrorCode::kMalformed,
+      return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("The calibration has no '{}', which the model {} needs ({}).",
                                     name, f->name, join(f->parameters, " ")));
     }
@@ -98,7 +103,7 @@ Result<Camera> Camera::make(const Calibration& calibration) {
     } else if (std::find(f->parameters.begin(), f->parameters.end(), p.name) ==
                f->parameters.end()) {
       return make_error(
-          ErrorCode::kMalformed,
+          ErrorCode::kInvalidArgument,
           fmt::format("The calibration has a '{}', which the model {} does not know ({}).", p.name,
                       f->name, join(f->parameters, " ")));
     }
@@ -113,31 +118,34 @@ Result<Camera> Camera::make(std::string_view model, ImageSize size,
   if (camera.functions_ == nullptr) return unknown_model(model);
   const auto& names = camera.functions_->parameters;
   if (size.width < 1 || size.height < 1 || size.width > 65536 || size.height > 65536) {
-    return make_error(ErrorCode::kMalformed,
+    return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("The calibration is for an image of {}x{} px; a size from 1x1 to "
-                                  "65536x65536 is needed.",
-                                  size.width, size.height));
+                                  "65536x65536 is needed.{}",
+                                  size.width, size.height, size == ImageSize{} ? kNoSize : ""));
   }
   if (parameters.size() != names.size()) {
-    return make_error(ErrorCode::kMalformed,
+    return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("The model {} has {} parameters ({}), not {}.", model,
                                   names.size(), join(names, " "), parameters.size()));
   }
+  const auto is_usable = [](double value) { return std::abs(value) <= kMost; };
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!std::isfinite(parameters[i]) || std::abs(parameters[i]) > 1e12) {
+    if (!is_usable(parameters[i])) {
       return make_error(
-          ErrorCode::kMalformed,
+          ErrorCode::kInvalidArgument,
           fmt::format("The parameter {} of the calibration is {}, not a usable number.", names[i],
                       parameters[i]));
     }
   }
-  if (!std::isfinite(skew)) {
-    return make_error(ErrorCode::kMalformed,
-                      "The parameter skew of the calibration is not a number.");
+  if (!is_usable(skew)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("The parameter skew of the calibration is {}, not a usable "
+                                  "number.",
+                                  skew));
   }
   if (!(parameters[0] > 0) || !(parameters[1] > 0)) {
     return make_error(
-        ErrorCode::kMalformed,
+        ErrorCode::kInvalidArgument,
         fmt::format("The focal lengths of a calibration must be positive; fx is {}, fy {}.",
                     parameters[0], parameters[1]));
   }
@@ -147,7 +155,7 @@ Result<Camera> Camera::make(std::string_view model, ImageSize size,
   camera.limit_ = camera.functions_->limit(camera.parameters_.data() + 4);
   if (!(camera.limit_ > 0)) {
     return make_error(
-        ErrorCode::kMalformed,
+        ErrorCode::kInvalidArgument,
         fmt::format("With these coefficients the model {} sees nothing ({}): check them.", model,
                     join(std::span(names).subspan(4), " ")));
   }

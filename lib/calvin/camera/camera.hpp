@@ -21,8 +21,8 @@ struct CameraFunctions;
 
 class Camera {
  public:
-  // Checks everything that a file can get wrong: unknown model, missing, extra or non-finite
-  // parameters, focal lengths that are not positive, an empty image.
+  // kUnsupported for an unknown model; kInvalidArgument for all else that can be wrong: missing,
+  // extra or non-finite parameters, focal lengths that are not positive, an empty image.
   CALVIN_API static Result<Camera> make(const Calibration& calibration);
   // The same from bare numbers in the model's order (fx fy cx cy d0 ...), with an optional skew.
   CALVIN_API static Result<Camera> make(std::string_view model, ImageSize size,
@@ -67,7 +67,7 @@ class Camera {
   ImageSize size_;
   std::vector<double> parameters_;
   double skew_ = 0;
-  double limit_ = 0;  // see camera/distortion.hpp
+  double limit_ = 0;  // of the distance from the axis up to which the model is valid
 };
 
 // "pinhole, brown4, ...": the models that this version knows, and the parameter names of one of

@@ -40,8 +40,10 @@ bool parse_shift(std::string_view word, Relabelling& to) {
 }  // namespace
 
 std::string to_text(const Relabelling& relabelling) {
+  constexpr int kWhole = 4;  // quarters of a whole turn
   const auto& [quarter_turns, cols, rows] = relabelling;
-  std::string text = quarter_turns == 0 ? "" : fmt::format("{}{}", kTurn, 90 * quarter_turns);
+  const int turns = (quarter_turns % kWhole + kWhole) % kWhole;
+  std::string text = turns == 0 ? "" : fmt::format("{}{}", kTurn, 90 * turns);
   if (cols == 0 && rows == 0) return text;
   if (!text.empty()) text += ' ';
   return text + fmt::format("{}{},{})", kShift, cols, rows);
@@ -49,6 +51,7 @@ std::string to_text(const Relabelling& relabelling) {
 
 std::optional<Relabelling> parse_relabelling(std::string_view text) {
   Relabelling relabelling;
+  if (text.empty()) return relabelling;
   for (const std::string_view word : split(text, ' ')) {
     const bool good = word.starts_with(kTurn)    ? parse_turn(word, relabelling)
                       : word.starts_with(kShift) ? parse_shift(word, relabelling)

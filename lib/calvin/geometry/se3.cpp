@@ -7,6 +7,7 @@
 #include "calvin/geometry/se3.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -41,6 +42,8 @@ Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vecto
 }
 
 Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m) {
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  if (!m.allFinite()) return Eigen::Matrix3d::Constant(kNoNumber);
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;

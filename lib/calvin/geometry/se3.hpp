@@ -34,7 +34,8 @@ struct SE3 {
 [[nodiscard]] CALVIN_API Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from,
                                                           const Eigen::Vector3d& to);
 
-// The rotation closest to `m` in the Frobenius norm (Umeyama's sign: determinant +1).
+// The rotation closest to `m` in the Frobenius norm (Umeyama's sign: determinant +1). NaN
+// all over where a number of `m` is not finite.
 [[nodiscard]] CALVIN_API Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m);
 
 // Rigid motion as plain numbers (a file, a message) and back.

@@ -18,6 +18,7 @@
 #include "calvin/core/utf8.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/file_text.hpp"
+#include "calvin/io/printable.hpp"
 #include "calvin/io/text_document.hpp"
 #include "calvin_config.h"
 
@@ -129,6 +130,9 @@ Result<std::string> print_calibration(const Calibration& calibration, std::strin
   const auto writer = find_writer(format);
   if (!writer) return tl::unexpected(writer.error());
   if (const auto status = check(calibration); !status) return tl::unexpected(status.error());
+  if (const auto status = io::check_printable(calibration); !status) {
+    return tl::unexpected(status.error());
+  }
   try {
     auto text = (*writer)->print(calibration);
     const bool held = text || text.error().code != ErrorCode::kUnsupported;

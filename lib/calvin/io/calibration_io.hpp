@@ -34,8 +34,10 @@ inline constexpr std::size_t kMaxCalibrationBytes = std::size_t{16} << 20;
 [[nodiscard]] CALVIN_API Result<Calibration> read_calibration(const std::filesystem::path& path);
 
 // The inverse, in one of calibration_formats(). Numbers read back as the same; only the native
-// format holds everything. kInvalidArgument for an unknown format or a calibration without an image
-// size where the format needs one, kUnsupported where the format has no such camera model.
+// format holds everything. kInvalidArgument for an unknown format, a calibration without an image
+// size where the format needs one, and for numbers that could not be read back, whatever the format
+// has of them: an rms that is not finite, a negative sigma; kUnsupported where the format has no
+// such camera model.
 [[nodiscard]] CALVIN_API Result<std::string> print_calibration(const Calibration& calibration,
                                                                std::string_view format = "calvin");
 

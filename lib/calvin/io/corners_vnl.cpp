@@ -167,6 +167,19 @@ Result<std::vector<Observation>> parse_corners_vnl(std::string_view content, std
   return reader.take();
 }
 
+namespace {
+
+Status check_places(const Observation& seen, std::size_t view) {
+  const auto is_finite = [](const Pixel& p) { return std::isfinite(p.u) && std::isfinite(p.v); };
+  if (seen.ids.size() == seen.uv.size() && std::ranges::all_of(seen.uv, is_finite)) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("View {} has {} ids and {} places, or one that is no number: give "
+                                "each id its place.",
+                                view, seen.ids.size(), seen.uv.size()));
+}
+
+}  // namespace
+
 Result<std::string> print_corners_vnl(const std::vector<Observation>& observations) {
   std::string text = "# filename x y weight\n";
   for (std::size_t k = 0; k < observations.size(); ++k) {
@@ -174,9 +187,10 @@ Result<std::string> print_corners_vnl(const std::vector<Observation>& observatio
     const std::string picture = fmt::format("frame-{:06}.png", k);
     const auto board = parse_board(seen.board);
     if (!board) return tl::unexpected(board.error());
+    if (const Status good = check_places(seen, k); !good) return tl::unexpected(good.error());
     std::vector<std::string> rows(static_cast<std::size_t>(board->point_count()),
                                   picture + " - - -\n");
-    for (std::size_t i = 0; i < seen.ids.size() && i < seen.uv.size(); ++i) {
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
       const auto row = board->index_of(seen.ids[i]);
       if (!row) {
         return make_error(ErrorCode::kInvalidArgument,

@@ -21,6 +21,12 @@ std::string explain(const FileKind& kind, std::string_view name, std::string_vie
                      reason.ends_with('.') ? "" : ".", kind.advice);
 }
 
+Error explained(const FileKind& kind, std::string_view name, Error error) {
+  if (error.code == ErrorCode::kInvalidArgument) error.code = ErrorCode::kMalformed;
+  error.message = explain(kind, name, error.message);
+  return error;
+}
+
 std::string_view without_byte_order_mark(std::string_view text) noexcept {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   if (text.starts_with(kMark)) text.remove_prefix(kMark.size());

@@ -8,6 +8,7 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "calvin/core/result.hpp"
@@ -26,6 +27,9 @@ struct FileKind {
 [[nodiscard]] std::string explain(const FileKind& kind, std::string_view name,
                                   std::string_view why);
 
+// An error of a parser, explained. What is no argument is the content of the file here.
+[[nodiscard]] Error explained(const FileKind& kind, std::string_view name, Error error);
+
 // The text without the byte order mark that editors and spreadsheets put before UTF-8.
 [[nodiscard]] std::string_view without_byte_order_mark(std::string_view text) noexcept;
 
@@ -42,7 +46,7 @@ template <typename T>
   } catch (const std::exception& exception) {  // out of memory, or a parser's own surprise
     result = make_error(ErrorCode::kMalformed, exception.what());
   }
-  if (!result) result.error().message = explain(kind, name, result.error().message);
+  if (!result) result.error() = explained(kind, name, std::move(result.error()));
   return result;
 }
 

@@ -14,32 +14,10 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/geometry/covariance.hpp"
 #include "calvin/io/calibration_formats.hpp"
 
 namespace calvin::io {
-
-namespace {
-
-// What says that a matrix is the covariance of nothing: entries that no errors have in common.
-std::optional<std::string> no_covariance(const std::vector<std::vector<double>>& rows) {
-  constexpr double kRounding = 1e-6;  // files are written with as many digits as their makers like
-  const std::size_t size = rows.size();
-  for (std::size_t r = 0; r < size; ++r) {
-    if (!(rows[r][r] >= 0)) return fmt::format("has a negative variance in row {}", r + 1);
-  }
-  for (std::size_t r = 0; r < size; ++r) {
-    for (std::size_t c = 0; c < r; ++c) {
-      const double most = (1 + kRounding) * std::sqrt(rows[r][r]) * std::sqrt(rows[c][c]);
-      const bool same = std::abs(rows[r][c] - rows[c][r]) <= kRounding * most;
-      if (!same || !(std::abs(rows[r][c]) <= most)) {
-        return fmt::format("is no covariance: {} in row {}, column {}", rows[r][c], r + 1, c + 1);
-      }
-    }
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 void read_head(Fields& fields, std::string_view known, int newest, std::string_view of) {
   const std::string format = fields.string("format");
@@ -65,8 +43,9 @@ std::vector<double> read_covariance(Fields& fields, std::size_t size, std::strin
     fields.complain(key, fmt::format("has {} rows, but {} {}", rows.size(), size, of));
     return all;
   }
-  if (const auto why = no_covariance(rows)) fields.complain(key, *why);
+  if (fields.failed()) return all;
   for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
+  if (const auto why = no_covariance(all, rows.size())) fields.complain(key, *why);
   return all;
 }
 
@@ -79,16 +58,21 @@ Pose read_pose(Fields fields) {
   return pose;
 }
 
+bool is_possible(const Pose& pose) {
+  constexpr double kFarthest = 1e6;  // m; of a turn, rad
+  const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };
+  return std::ranges::all_of(pose.translation, is_near) &&
+         std::ranges::all_of(pose.rotation, is_near);
+}
+
+bool is_possible(const std::vector<double>& covariance) {
+  return std::ranges::all_of(covariance, [](double x) { return std::abs(x) <= 1e12; });
+}
+
 void check_place(Fields& fields, std::string_view pose_key, const Pose& pose,
                  std::string_view covariance_key, const std::vector<double>& covariance) {
-  constexpr double kFarthest = 1e6;  // m; of a turn, rad
-  const auto is_far = [](double x) { return !(std::abs(x) <= kFarthest); };
-  if (std::ranges::any_of(pose.translation, is_far) || std::ranges::any_of(pose.rotation, is_far)) {
-    fields.complain(pose_key, "is out of range (1e6 m, 1e6 rad)");
-  }
-  if (std::ranges::any_of(covariance, [](double x) { return !(std::abs(x) <= 1e12); })) {
-    fields.complain(covariance_key, "is out of range (1e12)");
-  }
+  if (!is_possible(pose)) fields.complain(pose_key, "is out of range (1e6 m, 1e6 rad)");
+  if (!is_possible(covariance)) fields.complain(covariance_key, "is out of range (1e12)");
 }
 
 Calibration read_camera(Fields& fields) {

@@ -26,6 +26,13 @@ void read_head(Fields& fields, std::string_view known, int newest, std::string_v
 // `rotation` and `translation`.
 [[nodiscard]] Pose read_pose(Fields fields);
 
+// Whether anything has such a pose, and such a covariance of a place (1e6 m and rad, 1e12).
+[[nodiscard]] bool is_possible(const Pose& pose);
+[[nodiscard]] bool is_possible(const std::vector<double>& covariance);
+
+// s: no clocks of one rig are farther apart.
+inline constexpr double kMostTimeOffset = 3600;
+
 // Complains of poses and covariances of places that nothing has (1e6 m and rad, 1e12), so that
 // whatever is computed of them stays finite.
 void check_place(Fields& fields, std::string_view pose_key, const Pose& pose,

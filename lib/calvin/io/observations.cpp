@@ -5,6 +5,7 @@
 
 #include "calvin/io/observations.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -24,6 +25,8 @@ using io::Node;
 
 constexpr std::string_view kFormat = "calvin-observations";
 constexpr int kVersion = 1;
+constexpr int kMostId = 100'000'000;
+constexpr int kLongestSide = 65536;  // px
 
 void read_header(Fields& fields, ObservationFile& file) {
   const std::string format = fields.string("format");
@@ -45,7 +48,7 @@ void read_header(Fields& fields, ObservationFile& file) {
 ImageSize read_size(Fields& fields) {
   const auto size = fields.numbers("image_size", 2);
   for (const double side : size) {
-    if (!(side >= 1 && side <= 65536 && side == static_cast<int>(side))) {
+    if (!(side >= 1 && side <= kLongestSide && side == static_cast<int>(side))) {
       fields.complain("image_size", "is not [width, height] in whole pixels");
       return {};
     }
@@ -56,7 +59,7 @@ ImageSize read_size(Fields& fields) {
 void read_points(Fields& fields, Observation& seen) {
   for (const auto& point : fields.rows("points", 4)) {
     const double id = point[0];
-    if (!(id >= 0 && id < 1e8 && id == static_cast<int>(id))) {
+    if (!(id >= 0 && id < kMostId && id == static_cast<int>(id))) {
       fields.complain("points", "has a point whose id is not a whole number from 0");
       return;
     }
@@ -81,10 +84,8 @@ void read_velocity(Fields& fields, Observation& seen) {
 
 void read_ambiguous(Fields& fields, Observation& seen) {
   for (const Node& node : fields.list("ambiguous")) {
-    // An empty one is of a detector that says it in words of its own.
-    const auto relabelling = node.kind != Node::Kind::kString ? std::nullopt
-                             : node.text.empty()              ? Relabelling()
-                                                              : parse_relabelling(node.text);
+    const auto relabelling =
+        node.kind == Node::Kind::kString ? parse_relabelling(node.text) : std::nullopt;
     if (!relabelling) {
       fields.complain("ambiguous", "has what is no other labelling, as \"rotate180\" is");
       return;
@@ -238,6 +239,25 @@ std::string print_ambiguous(const std::vector<Relabelling>& ambiguous) {
   return fmt::format("[{}]", text);
 }
 
+bool is_side(int side) { return side >= 1 && side <= kLongestSide; }
+
+bool is_finite(const Pixel& p) { return std::isfinite(p.u) && std::isfinite(p.v); }
+
+// Of what no reader takes: what is wrong, as a clause; empty where nothing is.
+std::string_view why_unprintable(const Observation& seen) {
+  if (!is_side(seen.image_size.width) || !is_side(seen.image_size.height)) {
+    return "does not say the size of its image (image_size)";
+  }
+  if (seen.ids.size() != seen.uv.size()) return "has not as many places as ids";
+  const auto is_id = [](int id) { return id >= 0 && id < kMostId; };
+  if (!std::ranges::all_of(seen.ids, is_id)) return "has an id that is negative or too large";
+  if (!std::ranges::all_of(seen.uv, is_finite)) return "has a corner at a place that is no number";
+  if (!seen.velocity.empty() && seen.velocity.size() != seen.uv.size()) {
+    return "has velocities of some corners and not of all";
+  }
+  return std::ranges::all_of(seen.velocity, is_finite) ? "" : "has a velocity that is no number";
+}
+
 }  // namespace
 
 std::string print_observation_reset(std::size_t views) {
@@ -245,14 +265,20 @@ std::string print_observation_reset(std::size_t views) {
                     : fmt::format("{{\"reset\":true,\"views\":{}}}\n", views);
 }
 
-std::string print_observation(const Observation& seen, std::string_view board_of_file) {
+Result<std::string> print_observation(const Observation& seen, std::string_view board_of_file) {
+  if (const std::string_view why = why_unprintable(seen); !why.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("An observation {}, and no program could read it: mend it, or "
+                                  "leave it out.",
+                                  why));
+  }
   std::string line = fmt::format("{{\"camera\":{}", io::json_string(seen.camera));
   if (seen.board != board_of_file)
     line += fmt::format(",\"board\":{}", io::json_string(seen.board));
   if (seen.timestamp != kNoTimestamp) line += fmt::format(",\"timestamp\":{}", seen.timestamp);
   line += fmt::format(",\"image_size\":[{},{}],\"points\":[", seen.image_size.width,
                       seen.image_size.height);
-  for (std::size_t i = 0; i < seen.ids.size() && i < seen.uv.size(); ++i) {
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
     const bool known = i < seen.sigma.size() && seen.sigma[i] > 0 && std::isfinite(seen.sigma[i]);
     const double sigma = known ? seen.sigma[i] : 1;
     line +=
@@ -267,9 +293,13 @@ std::string print_observation(const Observation& seen, std::string_view board_of
   return line + "}\n";
 }
 
-std::string print_observations(const ObservationFile& file) {
+Result<std::string> print_observations(const ObservationFile& file) {
   std::string text = print_observation_header(file.board);
-  for (const Observation& seen : file.observations) text += print_observation(seen, file.board);
+  for (const Observation& seen : file.observations) {
+    const auto line = print_observation(seen, file.board);
+    if (!line) return line;
+    text += *line;
+  }
   return text;
 }
 

@@ -36,18 +36,21 @@ struct ObservationFile {
 [[nodiscard]] CALVIN_API Result<ObservationFile> parse_observations(std::string_view content,
                                                                     std::string_view name = "");
 
-// parse_observations() of a file of at most kMaxObservationBytes; errors as of read_file().
+// parse_observations() of a file of at most kMaxObservationBytes. kNotFound where there is none,
+// kIo where the system refuses or the path is a folder, a device or a larger file.
 [[nodiscard]] CALVIN_API Result<ObservationFile> read_observations(
     const std::filesystem::path& path);
 
 // The header, a reset and the line of one view, each with its end: for a file that is appended to.
 // `views`: how many follow that take the place of all before. Numbers read back as the same. A
-// sigma that is missing or not positive is 1.
+// sigma that is missing or not positive is 1. kInvalidArgument for what could not be read back: an
+// observation without an image size, with another number of places or velocities than ids, or with
+// numbers that are not finite.
 [[nodiscard]] CALVIN_API std::string print_observation_header(std::string_view board);
 [[nodiscard]] CALVIN_API std::string print_observation_reset(std::size_t views = 0);
-[[nodiscard]] CALVIN_API std::string print_observation(const Observation& observation,
-                                                       std::string_view board_of_file);
-[[nodiscard]] CALVIN_API std::string print_observations(const ObservationFile& file);
+[[nodiscard]] CALVIN_API Result<std::string> print_observation(const Observation& observation,
+                                                               std::string_view board_of_file);
+[[nodiscard]] CALVIN_API Result<std::string> print_observations(const ObservationFile& file);
 
 // corners.vnl of mrcal and mrgingham: a row for each corner of the board, in the order of ids, or
 // one row "name - - -" for a picture without a board. The fourth column, if there is one, is a
@@ -60,7 +63,8 @@ struct ObservationFile {
     std::string_view name = "");
 
 // With weights, those beyond the limits at the limits; the pictures are called frame-000000.png and
-// so on. kInvalidArgument where a board text is wrong or an id is not on its board.
+// so on. kInvalidArgument where a board text is wrong or an id is not on its board, where there are
+// not as many places as ids, and for one that is not finite.
 [[nodiscard]] CALVIN_API Result<std::string> print_corners_vnl(
     const std::vector<Observation>& observations);
 

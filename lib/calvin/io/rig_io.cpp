@@ -19,6 +19,7 @@
 #include "calvin/core/utf8.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/file_text.hpp"
+#include "calvin/io/printable.hpp"
 #include "calvin/io/rig_formats.hpp"
 #include "calvin/io/text_document.hpp"
 
@@ -122,13 +123,13 @@ bool is_document(std::string_view content, std::span<const std::string_view> wor
   }
 }
 
-Status check_cameras(const Rig& rig) {
+Status check(const Rig& rig) {
   for (const RigCamera& camera : rig.cameras) {
     if (const auto good = Camera::make(camera.calibration); !good) {
       return tl::unexpected(good.error());
     }
   }
-  return {};
+  return io::check_printable(rig);
 }
 
 }  // namespace
@@ -156,10 +157,11 @@ Result<Rig> read_rig(const std::filesystem::path& path) {
   std::error_code none;
   if (std::filesystem::is_directory(path, none)) {
     auto rig = io::read_rig_folder(path);
-    const bool is_content = rig || rig.error().code == ErrorCode::kMalformed ||
-                            rig.error().code == ErrorCode::kUnsupported;
-    if (!is_content) return rig;
-    if (!rig) rig.error().message = io::explain(kKind, path.string(), rig.error().message);
+    const bool is_of_system =
+        !rig && (rig.error().code == ErrorCode::kNotFound || rig.error().code == ErrorCode::kIo);
+    if (!rig && !is_of_system) {
+      rig.error() = io::explained(kKind, path.string(), std::move(rig.error()));
+    }
     return rig;
   }
   const auto files = files_of_rig(path);
@@ -170,7 +172,7 @@ Result<Rig> read_rig(const std::filesystem::path& path) {
   if (!other) return tl::unexpected(other.error());
   if (!io::is_half_of_opencv_stereo(*content)) return parse_rig(*content, path.string());
   auto rig = io::join_opencv_stereo(*content, *other);
-  if (!rig) rig.error().message = io::explain(kKind, path.string(), rig.error().message);
+  if (!rig) rig.error() = io::explained(kKind, path.string(), std::move(rig.error()));
   return rig;
 }
 
@@ -182,7 +184,7 @@ Result<std::string> print_rig(const Rig& rig, std::string_view format) {
                       fmt::format("A rig of the format {} is a folder of files, and no text.",
                                   (*writer)->format));
   }
-  if (const Status good = check_cameras(rig); !good) return tl::unexpected(good.error());
+  if (const Status good = check(rig); !good) return tl::unexpected(good.error());
   try {
     return (*writer)->print(rig);
   } catch (const std::exception& exception) {
@@ -200,7 +202,7 @@ std::vector<std::string_view> rig_formats() {
 Status write_rig(const std::filesystem::path& path, const Rig& rig, std::string_view format) {
   const auto writer = find_writer(format);
   if (writer && (*writer)->write_folder != nullptr) {
-    if (Status good = check_cameras(rig); !good) return good;
+    if (Status good = check(rig); !good) return good;
     return (*writer)->write_folder(path, rig);
   }
   const auto printed = print_rig(rig, format);

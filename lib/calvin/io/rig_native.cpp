@@ -30,11 +30,11 @@ constexpr std::size_t kMostBoards = 4096;
 
 std::optional<TimeOffset> read_time_offset(Fields& fields) {
   if (fields.find("time_offset") == nullptr) return std::nullopt;
-  constexpr double kMost = 3600;  // s: no clocks of one rig are farther apart
   Fields own = fields.map("time_offset");
   const TimeOffset offset = {own.number("seconds"), own.number("sigma")};
-  if (!(std::abs(offset.seconds) <= kMost)) own.complain("seconds", "is more than an hour");
-  if (!(offset.sigma >= 0 && offset.sigma <= kMost))
+  if (!(std::abs(offset.seconds) <= kMostTimeOffset))
+    own.complain("seconds", "is more than an hour");
+  if (!(offset.sigma >= 0 && offset.sigma <= kMostTimeOffset))
     own.complain("sigma", "is no sigma in seconds");
   return offset;
 }

@@ -23,6 +23,11 @@ Status check(const PictureOptions& options) {
         ErrorCode::kInvalidArgument,
         fmt::format("Pixels of {} channels are not undistorted: give 1 to 4.", options.channels));
   }
+  if (!(options.alpha >= 0 && options.alpha <= 1)) {
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("There is no view for an alpha of {}: give 0 to 1.", options.alpha));
+  }
   const auto [width, height] = options.output;
   const bool as_source = width == 0 && height == 0;
   const bool possible =

@@ -27,8 +27,8 @@ struct PictureOptions {
 // Immutable; safe to share between threads. Copies share the map.
 class PictureUndistorter {
  public:
-  // kInvalidArgument for other channels or an output of more than 65536 px a side, kDegenerate for
-  // a camera without a valid region in its picture.
+  // kInvalidArgument for another alpha, other channels or an output of more than 65536 px a side,
+  // kDegenerate for a camera without a valid region in its picture.
   [[nodiscard]] CALVIN_API static Result<PictureUndistorter> make(
       const Camera& camera, const PictureOptions& options = {});
 

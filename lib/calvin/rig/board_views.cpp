@@ -148,7 +148,7 @@ Result<std::vector<BoardView>> checked_views(const std::vector<RigCameraViews>& 
     for (std::size_t v = 0; v < seen[c].views.size(); ++v) {
       const View& view = seen[c].views[v];
       if (!view.observation.found()) continue;
-      if (const Status good = check(view, cameras[c].image_size()); !good) {
+      if (const Status good = check_before_camera(view, cameras[c].image_size()); !good) {
         return make_error(good.error().code,
                           fmt::format("A view of the camera '{}': {}", seen[c].calibration.camera,
                                       good.error().message));

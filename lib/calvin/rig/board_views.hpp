@@ -48,8 +48,8 @@ struct BoardView {
 [[nodiscard]] bool is_same_labelling(const SE3& one, const SE3& other);
 
 // The views of all cameras, those first whose camera comes first; without views that determine no
-// pose. `cameras` are those of the views, in their order. Errors are those of check() in
-// solve/view.hpp, and name the camera.
+// pose. `cameras` are those of the views, in their order. Errors are those of
+// check_before_camera() in solve/view.hpp, and name the camera.
 [[nodiscard]] Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
                                                          const std::vector<Camera>& cameras);
 

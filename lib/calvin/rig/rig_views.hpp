@@ -50,15 +50,19 @@ struct Instants {
   std::uint64_t farthest = 0;  // ns, between two pictures of one instant, at the most
 };
 
-// When each view of a camera was taken, ns, as its camera lists them; kNoTimestamp for one that
-// does not count.
-using ViewTimes = std::vector<std::uint64_t>;
-
 // Pictures that are at most `tolerance` ns apart are of one instant; where a camera has several,
 // the first one. A picture belongs to one instant. Views without a timestamp are left out.
 [[nodiscard]] CALVIN_API Instants pair_instants(const std::vector<RigCameraViews>& cameras,
                                                 std::uint64_t tolerance,
                                                 InstantsOf of = InstantsOf::kTwoCameras);
+
+// ---- Internal, and not exported
+
+// When each view of a camera was taken, ns, as its camera lists them; kNoTimestamp for one that
+// does not count.
+using ViewTimes = std::vector<std::uint64_t>;
+
+// pair_instants() of the times alone.
 [[nodiscard]] Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tolerance,
                                      InstantsOf of = InstantsOf::kTwoCameras);
 

@@ -30,6 +30,7 @@
 #include "calvin/rig/result/rig_links.hpp"
 #include "calvin/rig/result/rig_result.hpp"
 #include "calvin/rig/result/shown_boards.hpp"
+#include "calvin/rig/start/given_views.hpp"
 #include "calvin/rig/start/links.hpp"
 #include "calvin/rig/start/rig_start.hpp"
 
@@ -42,39 +43,30 @@ using rig::Link;
 
 constexpr Eigen::Index kPose = 6;
 
-Result<std::vector<Camera>> cameras_of(const std::vector<RigCameraViews>& seen, RigMode mode) {
+Status check_count(std::size_t cameras, RigMode mode) {
   const std::size_t least = mode == RigMode::kFloor ? 1 : 2;
-  if (seen.size() < least) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      mode == RigMode::kFloor
-                          ? "A camera before a floor board has to be named."
-                          : "A rig has two cameras or more: name them. Where one stands is found "
-                            "by a board on the floor.");
-  }
-  std::vector<Camera> cameras;
-  std::set<std::string> names;
-  for (const RigCameraViews& one : seen) {
-    const std::string& name = one.calibration.camera;
-    if (!names.insert(name).second || name.empty()) {
-      return make_error(ErrorCode::kInvalidArgument,
-                        fmt::format("Two cameras of the rig are called '{}', or have no name: give "
-                                    "each its own, by which it is told from the others.",
-                                    name));
-    }
-    auto camera = Camera::make(one.calibration);
-    if (!camera) {
-      return make_error(camera.error().code,
-                        fmt::format("The calibration of '{}': {}", name, camera.error().message));
-    }
-    cameras.push_back(*std::move(camera));
-  }
-  return cameras;
+  if (cameras >= least) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    mode == RigMode::kFloor
+                        ? "A camera before a floor board has to be named."
+                        : "A rig has two cameras or more: name them. Where one stands is found "
+                          "by a board on the floor.");
 }
 
 std::vector<std::string> names_of(const std::vector<RigCameraViews>& seen) {
   std::vector<std::string> names;
   for (const RigCameraViews& one : seen) names.push_back(one.calibration.camera);
   return names;
+}
+
+Status check_options(const RigOptions& options, const std::vector<std::string>& names) {
+  if (!(options.board_sigma >= 0 && options.board_sigma <= 1)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("The size of boards is not known to {} of it: give 0, where it "
+                                  "is known exactly, to 1 (board_sigma).",
+                                  options.board_sigma));
+  }
+  return options.world ? rig::check_world(*options.world, names) : Status();
 }
 
 std::vector<Calibration> calibrations_of(const std::vector<RigCameraViews>& seen) {
@@ -161,7 +153,8 @@ Result<RigSolution> solve_joined(const std::vector<RigCameraViews>& seen,
       left.push_back(seen[c]);
       their_cameras.push_back(cameras[c]);
     } else {
-      left_out.push_back({seen[c].calibration.camera, joined.why_not[c]});
+      const auto apart = rig::why_apart(seen, c, options.fixed_boards);
+      left_out.push_back({seen[c].calibration.camera, apart ? apart->message : joined.why_not[c]});
     }
   }
   options.is_partial = false;
@@ -223,6 +216,11 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
     const auto count = std::ranges::count(joined.is_joined, true);
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
+  }
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    if (const auto apart = rig::why_apart(seen, c, options.fixed_boards)) {
+      return tl::unexpected<Error>(*apart);
+    }
   }
   const RigWorld* world = options.world ? &*options.world : nullptr;
   auto solved = solve_all(
@@ -340,11 +338,13 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
 
 Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras, const RigOptions& options,
                               std::stop_token stop) {
-  const auto known = cameras_of(cameras, options.mode);
+  if (const Status good = check_count(cameras.size(), options.mode); !good) {
+    return tl::unexpected<Error>(good.error());
+  }
+  const auto known = rig::checked_cameras(cameras);
   if (!known) return tl::unexpected<Error>(known.error());
-  if (options.world) {
-    const Status good = rig::check_world(*options.world, names_of(cameras));
-    if (!good) return tl::unexpected<Error>(good.error());
+  if (const Status good = check_options(options, names_of(cameras)); !good) {
+    return tl::unexpected<Error>(good.error());
   }
   try {
     return options.mode == RigMode::kFloor ? solve_by_floor(cameras, *known, options)

@@ -38,7 +38,8 @@ struct RigOptions {
   RigMode mode = RigMode::kJoint;
   std::uint64_t tolerance = 10'000'000;  // ns, between pictures of one instant
   // Known distances between cameras. With them the size of boards is known to `board_sigma` only,
-  // of their size (1 sigma; 0: exactly), and lengths of the rig are those that explain both best.
+  // of their size (1 sigma, at most 1; 0: exactly), and lengths of the rig are those that explain
+  // both best.
   std::vector<CameraBaseline> baselines = {};
   double board_sigma = 0.01;
   // kJoint: cameras that what they have seen does not join to the others are left out of the rig
@@ -79,15 +80,17 @@ struct RigSolution {
 };
 
 // The same views give the same numbers. kInvalidArgument for fewer than two cameras (one before a
-// floor), names that are missing or there twice, broken calibrations or views, and known distances
-// or a world that are none of these cameras; kDegenerate where the views leave open where a camera
-// stands: the message says which, and what to show.
+// floor), names that are missing or there twice, broken calibrations, covariances or views, views
+// of images of another size than the calibration's, a camera whose views all lack timestamps
+// (kJoint), options out of range, and known distances or a world that are none of these cameras;
+// kDegenerate where the views leave open where a camera stands: the message says which, and what to
+// show.
 [[nodiscard]] CALVIN_API Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras,
                                                        const RigOptions& options = {},
                                                        std::stop_token stop = {});
 
-// The rig as the views of boards are to be held against it: in the frame of the solve, and in the
-// lengths that boards are said to have.
+// Internal, and not exported: the rig as the views of boards are to be held against it, in the
+// frame of the solve and in the lengths that boards are said to have.
 [[nodiscard]] Rig in_board_lengths(const RigSolution& solution);
 
 // One line: "'left' and 'right': 13 views, 99.3 mm apart (+-0.2), axes at 0.4 degrees, ...".

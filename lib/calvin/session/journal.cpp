@@ -133,8 +133,8 @@ Status Journal::check_is_of(const SessionSettings& settings,
 Status Journal::compact(const ObservationFile& held, std::size_t bytes) {
   constexpr std::size_t kWorthIt = std::size_t{1} << 20;
   if (bytes < kWorthIt) return {};
-  const std::string live = print_observations(held);
-  if (live.size() > bytes / 2 || !write_file(file_.path(), live)) return {};
+  const auto live = print_observations(held);
+  if (!live || live->size() > bytes / 2 || !write_file(file_.path(), *live)) return {};
   // Where no other file can take its place it is the same one still.
   file_.unlock();
   auto file = AppendFile::open(file_.path());
@@ -166,7 +166,7 @@ Status Journal::check_admits(const JournalEntry& entry) const {
   return {};
 }
 
-std::string Journal::print(const JournalEntry& entry) {
+Result<std::string> Journal::print(const JournalEntry& entry) {
   std::string text;
   if (!has_header_) {
     if (header_board_.empty() && !entry.views.empty()) {
@@ -179,7 +179,9 @@ std::string Journal::print(const JournalEntry& entry) {
     Observation named = view->observation;
     if (!entry.camera.empty()) named.camera = entry.camera;
     if (!named.camera.empty()) camera_ = named.camera;
-    text += print_observation(named, header_board_);
+    const auto line = print_observation(named, header_board_);
+    if (!line) return line;
+    text += *line;
   }
   return text;
 }
@@ -221,7 +223,12 @@ Status Journal::write() {
       close();
       return admitted;
     }
-    if (const Status appended = file_.append(print(*entry)); !appended) {
+    const auto text = print(*entry);
+    if (!text) {
+      close();
+      return tl::unexpected<Error>(text.error());
+    }
+    if (const Status appended = file_.append(*text); !appended) {
       if (std::exchange(failed_, true)) return {};
       return make_error(appended.error().code,
                         fmt::format("The journal lacks views until it can be written again. {}",

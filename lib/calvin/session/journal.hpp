@@ -67,7 +67,7 @@ class Journal {
   void written(const JournalEntry& entry);
   void close();
   // The lines of an entry, behind the header where the file has none yet.
-  [[nodiscard]] std::string print(const JournalEntry& entry);
+  [[nodiscard]] Result<std::string> print(const JournalEntry& entry);
   // kInvalidArgument where it is of another board or camera.
   [[nodiscard]] Status check_admits(const JournalEntry& entry) const;
 

@@ -25,9 +25,11 @@ struct ReadoutTime {
 struct SolveOptions {
   // One of model_names(), or "auto": the simplest model for which no richer one predicts the views
   // that were held out better by more than 2 sigma.
+  // The result may be of a simpler model than this one, and a remark says so, where the views leave
+  // open what the richer one has: ucm instead of doublesphere.
   std::string model = "brown5";
   std::string camera;           // name for the result; empty: that of the first view
-  int max_iterations = 100;     // of each least-squares solve
+  int max_iterations = 100;     // of each least-squares solve, 1 at least
   bool reject_outliers = true;  // false: plain least squares over all corners
 
   // One of the methods of the tools that came before (docs/methods.md), from which the solve
@@ -79,7 +81,7 @@ struct SolveOptions {
   bool skew = false;
 
   // Parameters that are held or tied. A name holds a parameter at its value in `initial`, or else a
-  // coefficient where it bends nothing (LensTraits::neutral: 0, but 1 for beta) and "cx", "cy" at
+  // coefficient where it bends nothing (at 0, but at 1 for beta) and "cx", "cy" at
   // the centre of the image; "center" holds both of these.
   // "aspect" ties fy / fx as in `initial`, or else at 1; "fx=fy" or "k1=k2" gives two parameters
   // one value; "fx=800" holds one at a number. "all" holds the whole camera of `initial`: the solve

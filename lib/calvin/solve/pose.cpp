@@ -42,15 +42,7 @@ double rms_of(const PointSet& view, const Camera& camera, const SE3& camera_from
 Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observation& observation,
                        PoseQuality* quality, const BoardWarp& warp) {
   const ImageSize size = camera.image_size();
-  if (observation.image_size.width > 0 && observation.image_size != size) {
-    return make_error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("The board was seen in an image of {}x{} px, the camera's is {}x{}. "
-                    "Scale the camera to the image first.",
-                    observation.image_size.width, observation.image_size.height, size.width,
-                    size.height));
-  }
-  if (const Status status = check({observation, board}, size); !status) {
+  if (const Status status = check_before_camera({observation, board}, size); !status) {
     return tl::unexpected<Error>(status.error());
   }
   std::vector<PointSet> view = {to_points(board, bent_points(board, warp), observation)};
@@ -134,9 +126,9 @@ Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
   int points = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Observation& seen = views[i].observation;
-    const bool is_off_size = seen.image_size.width > 0 && seen.image_size != size;
-    if (!seen.found() || is_off_size) {
-      solution.rejected.push_back({i, is_off_size ? Reason::kOffSize : Reason::kNotFound});
+    const bool is_off = is_off_size(seen, size);
+    if (!seen.found() || is_off) {
+      solution.rejected.push_back({i, is_off ? Reason::kOffSize : Reason::kNotFound});
       continue;
     }
     if (Status has = check_has_pose(views[i].board); !has) {

@@ -35,6 +35,8 @@ struct PoseQuality {
                                                 PoseQuality* quality = nullptr,
                                                 const BoardWarp& warp = {});
 
+// ---- Internal, and not exported
+
 // Whether nothing of the camera is to be estimated: `fix` has the word "all".
 [[nodiscard]] bool holds_camera(const SolveOptions& options);
 

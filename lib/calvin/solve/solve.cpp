@@ -53,7 +53,7 @@ Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
       usable.rejected.push_back({i, Reason::kNotFound});
       continue;
     }
-    if (seen.image_size.width > 0 && seen.image_size != size) {
+    if (is_off_size(seen, size)) {
       usable.rejected.push_back({i, Reason::kOffSize});
       continue;
     }
@@ -297,6 +297,9 @@ Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
   if (const Status status = check_image_size(image_size); !status) {
     return tl::unexpected<Error>(status.error());
   }
+  if (const Status sized = check_sizes(views, image_size); !sized) {
+    return tl::unexpected<Error>(sized.error());
+  }
   if (holds_camera(options)) return solve_held(views, image_size, options);
   auto usable = usable_views(views, image_size);
   if (!usable) return tl::unexpected<Error>(usable.error());
@@ -344,6 +347,14 @@ Result<Solution> solve_steps(std::span<const View> views, ImageSize size,
 }  // namespace
 
 Status check(const SolveOptions& options) {
+  if (options.max_iterations < 1) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("No solve takes {} iterations: give 1 or more (max_iterations).",
+                                  options.max_iterations));
+  }
+  if (options.readout) {
+    if (Status good = check_readout(*options.readout); !good) return good;
+  }
   if (!options.method.empty() || !options.refine) {
     if (const Status known = check_method(options.method); !known) return known;
   }
@@ -357,6 +368,7 @@ Status check(const SolveOptions& options) {
 
 Result<Solution> solve(std::span<const View> views, ImageSize image_size,
                        const SolveOptions& options, std::stop_token stop) {
+  if (const Status good = check(options); !good) return tl::unexpected<Error>(good.error());
   if (options.ellipse_centers) {
     if (const Status known = have_diameters(views); !known) {
       return tl::unexpected<Error>(known.error());

@@ -22,7 +22,8 @@
 
 namespace calvin {
 
-// Whether solve() knows the model, what is to be fixed, and can start from `initial`.
+// Whether solve() knows the model and what is to be fixed, can start from `initial`, and the
+// numbers are ones that a solve may have. What solve() checks first.
 [[nodiscard]] CALVIN_API Status check(const SolveOptions& options);
 
 // kInvalidArgument: a broken view, option or image size. kUnsupported: unknown model.

@@ -41,6 +41,36 @@ Status check_image_size(ImageSize size) {
   return {};
 }
 
+bool is_off_size(const Observation& seen, ImageSize size) noexcept {
+  return seen.image_size.width > 0 && seen.image_size != size;
+}
+
+Status check_sizes(std::span<const View> views, ImageSize size) {
+  const Observation* off = nullptr;
+  for (const View& view : views) {
+    if (!view.observation.found()) continue;
+    if (!is_off_size(view.observation, size)) return {};
+    if (off == nullptr) off = &view.observation;
+  }
+  if (off == nullptr) return {};
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("The views are of images of {}x{} px, and a camera for images of "
+                  "{}x{} px is asked for: give the size of the images in which the "
+                  "board was seen.",
+                  off->image_size.width, off->image_size.height, size.width, size.height));
+}
+
+Status check_before_camera(const View& view, ImageSize of_camera) {
+  const ImageSize seen = view.observation.image_size;
+  if (!is_off_size(view.observation, of_camera)) return check(view, of_camera);
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("The board was seen in an image of {}x{} px, the camera's is {}x{}. "
+                  "Scale the camera to the image first.",
+                  seen.width, seen.height, of_camera.width, of_camera.height));
+}
+
 Status check_has_pose(const Board& board) {
   if (board.as<PointLight>() == nullptr) return {};
   return make_error(

@@ -4,6 +4,8 @@
 // A view: the corners of one board in one frame, the measurement from which cameras are solved.
 #pragma once
 
+#include <span>
+
 #include "calvin/core/export.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
@@ -36,6 +38,18 @@ struct View {
 // velocity for each or for none. kInvalidArgument otherwise. Whether the corners are enough is not
 // looked at.
 [[nodiscard]] CALVIN_API Status check(const View& view, ImageSize image_size);
+
+// ---- Internal, and not exported
+
+// Whether the view says that its image is of another size than this one.
+[[nodiscard]] bool is_off_size(const Observation& seen, ImageSize size) noexcept;
+
+// kInvalidArgument where views were found and all of them are of images of another size.
+[[nodiscard]] Status check_sizes(std::span<const View> views, ImageSize size);
+
+// check(), of a view that is held against a camera whose images are of this size: kInvalidArgument
+// too where the view is of images of another size.
+[[nodiscard]] Status check_before_camera(const View& view, ImageSize of_camera);
 
 // Whether what one camera sees of a board tells where it is: kUnsupported for a light, which is one
 // point and has to be seen by several cameras at a time.

@@ -113,7 +113,8 @@ Result<ViewScorer> ViewScorer::make(const Camera& camera, const SolveOptions& op
 
 std::optional<Matrix> ViewScorer::information(const View& view,
                                               const SE3& camera_from_board) const {
-  if (!view.observation.found() || !check(view, camera_->image_size())) return std::nullopt;
+  if (!view.observation.found() || !check_before_camera(view, camera_->image_size()))
+    return std::nullopt;
   const PointSet set = to_points(view.board, view.board.points(), view.observation);
   const ViewPoints points(set, {});
   const auto intrinsics = camera_->parameters().size();

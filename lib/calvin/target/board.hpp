@@ -28,7 +28,7 @@ inline constexpr std::string_view kDefaultBoard = "checkerboard:9x6:25mm";
 
 class Board;
 
-// One of the kinds of boards, in target/kinds.hpp.
+// One of the kinds of boards, which are internal (target/kinds.hpp of the sources).
 template <typename Kind>
 concept BoardKind = !std::same_as<Kind, Board> && requires(const Kind& kind) {
   { kind.text() } -> std::same_as<std::string>;
@@ -37,23 +37,25 @@ concept BoardKind = !std::same_as<Kind, Board> && requires(const Kind& kind) {
 };
 
 // A value: copies are cheap, and equal where kind and all measures are. parse_board() makes one of
-// its text. Who needs to know the kind (a detector, what draws and renders) includes
-// target/kinds.hpp and asks as(); all others ask the board.
+// its text. Inside the library who needs to know the kind (a detector, what draws and renders)
+// includes target/kinds.hpp, which is not installed, and asks as(); all others ask the board.
 class Board {
  public:
-  struct Kind;  // one of the kinds, in target/kinds.hpp
+  struct Kind;  // one of the kinds, internal
 
   CALVIN_API Board();             // without control points
   Board(const Board&) = default;  // without a move, which would leave a board without a kind
   Board& operator=(const Board&) = default;
   ~Board() = default;
+  // Internal: of one of the kinds.
   template <BoardKind OneKind>
   Board(OneKind kind);  // NOLINT: it is one
 
-  // The part that only boards of this kind have; null for another one.
+  // Internal: the part that only boards of this kind have; null for another one.
   template <typename OneKind>
   [[nodiscard]] const OneKind* as() const noexcept;
 
+  // Internal.
   [[nodiscard]] const Kind& kind() const noexcept { return *kind_; }
 
   // The canonical text, e.g. "checkerboard:9x6:25mm".

@@ -177,7 +177,7 @@ TYPED_TEST(CameraModel, RefusesBrokenParameters) {
     auto broken = p;
     broken[i] = value;
     const auto camera = Camera::make(TypeParam::kName, this->kSize, broken);
-    return !camera.has_value() && camera.error().code == ErrorCode::kMalformed &&
+    return !camera.has_value() && camera.error().code == ErrorCode::kInvalidArgument &&
            !camera.error().message.empty();
   };
   EXPECT_TRUE(refused(0, -520));
@@ -185,6 +185,9 @@ TYPED_TEST(CameraModel, RefusesBrokenParameters) {
   for (std::size_t i = 0; i < p.size(); ++i) {
     EXPECT_TRUE(refused(i, std::numeric_limits<double>::quiet_NaN()));
     EXPECT_TRUE(refused(i, std::numeric_limits<double>::infinity()));
+  }
+  for (const double skew : {1e300, -1e13, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_FALSE(Camera::make(TypeParam::kName, this->kSize, p, skew).has_value()) << skew;
   }
   EXPECT_FALSE(Camera::make(TypeParam::kName, {0, 480}, p).has_value());
   p.push_back(0);
@@ -198,6 +201,10 @@ TEST(CameraFromCalibration, NamesWhatIsWrong) {
   c.parameters = {{"fx", 500, {}}, {"fy", 500, {}}, {"cx", 320, {}}, {"cy", 240, {}},
                   {"k1", 0, {}},   {"k2", 0, {}},   {"p1", 0, {}},   {"p2", 0, {}}};
   EXPECT_TRUE(Camera::make(c).has_value());
+  Calibration sizeless = c;
+  sizeless.image_size = {};
+  EXPECT_EQ(Camera::make(sizeless).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(Camera::make(sizeless).error().message.find("set image_size"), std::string::npos);
   Calibration missing = c;
   missing.parameters.pop_back();
   EXPECT_NE(Camera::make(missing).error().message.find("'p2'"), std::string::npos);

@@ -173,7 +173,7 @@ TEST(Limit, OfNoLensIsRefused) {
     p.insert(p.end(), d.begin(), d.end());
     const auto camera = Camera::make(model, {640, 480}, p);
     ASSERT_FALSE(camera) << model;
-    EXPECT_EQ(camera.error().code, ErrorCode::kMalformed);
+    EXPECT_EQ(camera.error().code, ErrorCode::kInvalidArgument);
     EXPECT_NE(camera.error().message.find(model), std::string::npos);
   }
 }

@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/covariance.hpp"
 #include "calvin/geometry/homography.hpp"
 #include "calvin/geometry/polynomial.hpp"
 #include "calvin/geometry/se3.hpp"
@@ -60,6 +61,32 @@ TEST(So3, RotationBetweenTakesOneDirectionToTheOther) {
 TEST(So3, ClosestRotationIsProper) {
   const Eigen::Matrix3d r = closest_rotation(-Eigen::Matrix3d::Identity());
   EXPECT_NEAR(r.determinant(), 1, 1e-12);
+}
+
+TEST(So3, ClosestRotationOfNoNumbersIsNone) {
+  for (const double none : {std::nan(""), HUGE_VAL}) {
+    Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
+    m(1, 2) = none;
+    EXPECT_TRUE(closest_rotation(m).array().isNaN().all()) << none;
+  }
+}
+
+TEST(Covariance, IsToldFromOtherNumbers) {
+  const auto is_none = [](std::vector<double> rows, std::size_t size) {
+    return no_covariance(rows, size).has_value();
+  };
+  EXPECT_FALSE(is_none({}, 0));
+  EXPECT_FALSE(is_none({0}, 1));
+  EXPECT_FALSE(is_none({4, 1, 1, 9}, 2));
+  EXPECT_FALSE(is_none({1, 1, 1, 1}, 2));
+  EXPECT_FALSE(is_none({0, 0, 0, 9}, 2));
+  EXPECT_FALSE(is_none({1, 0.9999, 0.9999, 0.9999, 1, 1, 0.9999, 1, 1}, 3));  // of four digits
+  EXPECT_TRUE(is_none({-1}, 1));
+  EXPECT_TRUE(is_none({std::nan("")}, 1));
+  EXPECT_TRUE(is_none({HUGE_VAL}, 1) || is_none({4, HUGE_VAL, HUGE_VAL, 9}, 2));
+  EXPECT_TRUE(is_none({4, 1, 2, 9}, 2));
+  EXPECT_TRUE(is_none({4, 7, 7, 9}, 2));
+  EXPECT_TRUE(is_none({1, -0.9, -0.9, -0.9, 1, -0.9, -0.9, -0.9, 1}, 3));
 }
 
 TEST(Homography, FindsTheMapOfExactPoints) {

@@ -4,8 +4,11 @@
 // Calibration files: every format with every model, there and back, judged by projected points.
 #include <algorithm>
 #include <clocale>
+#include <cmath>
+#include <limits>
 #include <locale>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -248,14 +251,67 @@ TEST(CalibrationFile, ParametersInAnotherOrder) {
 
 TEST(CalibrationFile, NoNumberThatIsNotFiniteIsWritten) {
   Calibration c = test::sample("brown5");
-  c.rms = std::nan("");
-  ASSERT_TRUE(print_calibration(c));
-  EXPECT_EQ(print_calibration(c)->find("rms"), std::string::npos);
-  c.views = {{0, 0.1, 54, false, {{0, std::nan(""), 0}, {}}}};
-  EXPECT_FALSE(print_calibration(c));
-  c = test::sample("brown5");
   c.parameters[5].value = INFINITY;
   for (const auto format : test::formats_with_skew()) EXPECT_FALSE(print_calibration(c, format));
+}
+
+// Whether the format has a place for it or not.
+TEST(CalibrationFile, NothingIsWrittenThatNobodyReads) {
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  using Spoil = void (*)(Calibration&);
+  const std::pair<const char*, Spoil> spoilt[] = {
+      {"rms", [](Calibration& c) { c.rms = kNan; }},
+      {"rms", [](Calibration& c) { c.rms = INFINITY; }},
+      {"chi", [](Calibration& c) { c.chi = -1; }},
+      {"expected_error", [](Calibration& c) { c.expected_error = kNan; }},
+      {"split_half_ratio", [](Calibration& c) { c.split_half_ratio = kNan; }},
+      {"systematic", [](Calibration& c) { c.systematic = 1.5; }},
+      {"readout", [](Calibration& c) { c.readout = INFINITY; }},
+      {"focus", [](Calibration& c) { c.focus = kNan; }},
+      {"worst_place",
+       [](Calibration& c) {
+         c.worst_place = Pixel{1, kNan};
+       }},
+      {"covered",
+       [](Calibration& c) {
+         c.covered = {{kNan, 1}};
+       }},
+      {"warp ky",
+       [](Calibration& c) {
+         c.warp = BoardWarp{0, kNan};
+       }},
+      {"views",
+       [](Calibration& c) {
+         c.views = {{0, kNan, 54, false, {}}};
+       }},
+      {"views",
+       [](Calibration& c) {
+         c.views = {{0, 0.1, 54, false, {{0, kNan, 0}, {}}}};
+       }},
+      {"sensor_crop",
+       [](Calibration& c) {
+         c.sensor_crop = Rectangle{0, 0, 641, 480};
+       }},
+      {"sigma of fx", [](Calibration& c) { c.parameters[0].sigma = -3; }},
+      {"sigma of fx", [](Calibration& c) { c.parameters[0].sigma = kNan; }},
+      {"covariance", [](Calibration& c) { c.covariance = {kNan}; }},
+      {"negative variance", [](Calibration& c) {
+         c.parameters[0].sigma = 1;
+         c.covariance = {-1};
+       }}};
+  for (const auto& [word, spoil] : spoilt) {
+    Calibration c = test::sample("brown4");  // which all formats hold
+    for (const auto format : calibration_formats()) {
+      ASSERT_TRUE(print_calibration(c, format)) << format;
+    }
+    spoil(c);
+    for (const auto format : calibration_formats()) {
+      const auto text = print_calibration(c, format);
+      ASSERT_FALSE(text) << format << ": " << word;
+      EXPECT_EQ(text.error().code, ErrorCode::kInvalidArgument) << text.error().message;
+      EXPECT_NE(text.error().message.find(word), std::string::npos) << text.error().message;
+    }
+  }
 }
 
 TEST(CalibrationFile, FormatsThatCannotHoldIt) {

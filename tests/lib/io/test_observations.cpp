@@ -60,10 +60,10 @@ TEST(Observations, WhatIsPrintedReadsBackAsTheSame) {
     }
     file.observations.push_back(seen);
   }
-  const std::string text = print_observations(file);
+  const std::string text = print_observations(file).value();
   const auto again = parse_observations(text);
   ASSERT_TRUE(again.has_value()) << again.error().message;
-  EXPECT_EQ(print_observations(*again), text);
+  EXPECT_EQ(print_observations(*again).value(), text);
   ASSERT_EQ(again->observations.size(), 2U);
   EXPECT_EQ(again->observations[1].board, "checkerboard:5x4:1cm");
   for (std::size_t i = 0; i < 2; ++i) {
@@ -102,7 +102,7 @@ TEST(Observations, OfALightAreOnePointALine) {
     }
     file.observations.push_back(seen);
   }
-  const auto again = parse_observations(print_observations(file));
+  const auto again = parse_observations(print_observations(file).value());
   ASSERT_TRUE(again.has_value()) << again.error().message;
   EXPECT_TRUE(parse_board(again->board).has_value());
   ASSERT_EQ(again->observations.size(), 3U);
@@ -181,10 +181,37 @@ TEST(Observations, WhatIsNoNumberIsNotPrinted) {
   ObservationFile file;
   file.board = seen.board;
   file.observations = {seen};
-  const auto again = parse_observations(print_observations(file));
+  const auto again = parse_observations(print_observations(file).value());
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(again->observations.at(0).sigma, (std::vector<double>{1, 1}));
   EXPECT_EQ(again->observations.at(0).blur, 0);
+}
+
+TEST(Observations, WhatCouldNotBeReadIsNotPrinted) {
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  Observation good;
+  good.board = "checkerboard:9x6:25mm";
+  good.image_size = {64, 48};
+  good.ids = {1, 2};
+  good.uv = {{1, 2}, {3, 4}};
+  good.velocity = {{1, 0}, {0, 1}};
+  using Spoil = void (*)(Observation&);
+  for (const Spoil spoil : {Spoil([](Observation& o) { o.uv[1].v = kNan; }),
+                            Spoil([](Observation& o) { o.uv[0].u = -HUGE_VAL; }),
+                            Spoil([](Observation& o) { o.velocity[0].u = kNan; }),
+                            Spoil([](Observation& o) { o.velocity.pop_back(); }),
+                            Spoil([](Observation& o) { o.uv.pop_back(); }),
+                            Spoil([](Observation& o) { o.ids.pop_back(); }),
+                            Spoil([](Observation& o) { o.ids[0] = -7; }),
+                            Spoil([](Observation& o) { o.image_size = {}; })}) {
+    Observation spoilt = good;
+    spoil(spoilt);
+    ASSERT_TRUE(print_observation(good, "").has_value());
+    EXPECT_EQ(print_observation(spoilt, "").error().code, ErrorCode::kInvalidArgument);
+    const auto file = print_observations({good.board, {good, spoilt}, 0});
+    ASSERT_FALSE(file.has_value());
+    EXPECT_EQ(file.error().code, ErrorCode::kInvalidArgument);
+  }
 }
 
 TEST(Observations, BrokenLinesAreRefusedByNumberAndName) {
@@ -285,8 +312,15 @@ TEST(CornersVnl, WhatIsPrintedReadsBackAsTheSame) {
       EXPECT_EQ(again->at(i).uv[k].v, seen[i].uv[k].v);
     }
   }
-  seen[0].ids[0] = 6;
-  EXPECT_FALSE(print_corners_vnl(seen).has_value());
+  auto spoilt = seen;
+  spoilt[0].ids[0] = 6;
+  EXPECT_FALSE(print_corners_vnl(spoilt).has_value());
+  spoilt = seen;
+  spoilt[0].uv[1].u = std::nan("");
+  EXPECT_EQ(print_corners_vnl(spoilt).error().code, ErrorCode::kInvalidArgument);
+  spoilt = seen;
+  spoilt[2].uv.pop_back();
+  EXPECT_NE(print_corners_vnl(spoilt).error().message.find("View 2 "), std::string::npos);
 }
 
 TEST(CornersVnl, OfAnotherBoardOrBrokenIsRefused) {

@@ -98,6 +98,8 @@ TEST(OpenCvConversions, WhatOpenCvCannotHoldIsRefused) {
   EXPECT_FALSE(calibration_from_opencv(cv::Mat(), cv::Mat(), kSize).has_value());
   EXPECT_FALSE(calibration_from_opencv(cv::Mat::zeros(3, 3, CV_64F), cv::Mat(), kSize).has_value());
   EXPECT_TRUE(calibration_from_opencv(one, cv::Mat(), kSize).has_value());
+  EXPECT_EQ(calibration_from_opencv(one, cv::Mat(), {0, 0}).error().code,
+            ErrorCode::kInvalidArgument);
   EXPECT_EQ(image_view(cv::Mat(4, 4, CV_8UC3)).data, nullptr);
 }
 

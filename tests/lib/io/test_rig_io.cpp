@@ -3,12 +3,16 @@
 
 // The file of a rig: what is written is read again as the same, and whatever is wrong in a file is
 // said by its place.
+#include <cmath>
+#include <filesystem>
+#include <limits>
 #include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/core/file.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "temporary_folder.hpp"
 
@@ -127,6 +131,9 @@ TEST(RigFile, SaysWhatIsWrong) {
     ASSERT_FALSE(read.has_value()) << word;
     EXPECT_NE(read.error().message.find(word), std::string::npos) << read.error().message;
     EXPECT_NE(read.error().message.find("Give a file that calvin-rig"), std::string::npos);
+    EXPECT_TRUE(read.error().code == ErrorCode::kMalformed ||
+                read.error().code == ErrorCode::kUnsupported)
+        << read.error().message;
   }
 }
 
@@ -144,7 +151,49 @@ TEST(RigFile, OfAnyBytesIsNoRig) {
 TEST(RigFile, IsNotWrittenOfABrokenCamera) {
   Rig rig = sample();
   rig.cameras[0].calibration.image_size = {};
-  EXPECT_FALSE(print_rig(rig).has_value());
+  EXPECT_EQ(print_rig(rig).error().code, ErrorCode::kInvalidArgument);
+}
+
+// In no format, and what was there before stays.
+TEST(RigFile, IsNotWrittenWhereNobodyCouldReadIt) {
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  using Spoil = void (*)(Rig&);
+  const std::pair<const char*, Spoil> spoilt[] = {
+      {"no cameras", [](Rig& rig) { rig.cameras.clear(); }},
+      {"'left'", [](Rig& rig) { rig.cameras[1].calibration.camera = "left"; }},
+      {"place", [](Rig& rig) { rig.cameras[1].rig_from_camera.translation[0] = kNan; }},
+      {"place", [](Rig& rig) { rig.cameras[1].rig_from_camera.rotation[2] = HUGE_VAL; }},
+      {"6 x 6", [](Rig& rig) { rig.cameras[1].covariance.resize(5); }},
+      {"negative variance", [](Rig& rig) { rig.cameras[1].covariance[7] = -1; }},
+      {"rms", [](Rig& rig) { rig.rms = kNan; }},
+      {"rms", [](Rig& rig) { rig.cameras[1].rms = kNan; }},
+      {"chi", [](Rig& rig) { rig.cameras[1].calibration.chi = kNan; }},
+      {"time_offset",
+       [](Rig& rig) {
+         rig.cameras[1].time_offset = TimeOffset{kNan, 0};
+       }},
+      {"The board", [](Rig& rig) { rig.boards[0].rig_from_board.translation[1] = kNan; }},
+      {"The board", [](Rig& rig) { rig.fixed_boards[0].covariance.resize(35); }}};
+  TemporaryFolder folder;
+  for (const auto& [word, spoil] : spoilt) {
+    Rig rig = sample();
+    spoil(rig);
+    for (const auto format : rig_formats()) {
+      const std::string path = folder.path(("rig-" + std::string(format)).c_str());
+      const bool is_folder = format == "mrcal" || format == "colmap";
+      if (!is_folder) {
+        ASSERT_TRUE(write_file(path, "as before").has_value());
+      }
+      const auto written = write_rig(path, rig, format);
+      ASSERT_FALSE(written.has_value()) << format << ": " << word;
+      EXPECT_EQ(written.error().code, ErrorCode::kInvalidArgument) << written.error().message;
+      EXPECT_NE(written.error().message.find(word), std::string::npos) << written.error().message;
+      EXPECT_EQ(std::filesystem::exists(path), !is_folder);
+      if (!is_folder) {
+        EXPECT_EQ(read_file(path).value(), "as before");
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -78,6 +78,12 @@ TEST(PictureUndistorter, RefusesWhatNoPictureIs) {
     EXPECT_EQ(PictureUndistorter::make(barrel(), {.channels = channels}).error().code,
               ErrorCode::kInvalidArgument);
   }
+  for (const double alpha : {std::nan(""), -1.0, 1.001, 2.0, HUGE_VAL}) {
+    const auto made = PictureUndistorter::make(barrel(), {.alpha = alpha});
+    ASSERT_FALSE(made.has_value()) << alpha;
+    EXPECT_EQ(made.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(made.error().message.find("0 to 1"), std::string::npos);
+  }
   for (const ImageSize size : {ImageSize{0, 5}, ImageSize{-1, 5}, ImageSize{70000, 5}}) {
     EXPECT_EQ(PictureUndistorter::make(barrel(), {.output = size}).error().code,
               ErrorCode::kInvalidArgument);

@@ -366,8 +366,10 @@ TEST_F(Journals, LeaveOutWhatCannotBeAView) {
   unknown.board = "hexagons:9";
   Observation none = seen(3);
   none.ids.clear();
-  ASSERT_TRUE(write_file(settings_.journal,
-                         print_observations({good.board, {good, beyond, unknown, none}, 0})));
+  none.uv.clear();
+  const auto text = print_observations({good.board, {good, beyond, unknown, none}, 0});
+  ASSERT_TRUE(text.has_value());
+  ASSERT_TRUE(write_file(settings_.journal, *text));
   open();
   const Journal::Content content = journal_->take_content();
   EXPECT_EQ(content.views.size(), 1u);

@@ -106,11 +106,25 @@ const BadInput kBadInputs[] = {
      [](auto&, auto& size, auto&) {
        size = {640, 480};
      },
-     ErrorCode::kDegenerate, "no view"},
+     ErrorCode::kInvalidArgument, "images of 1280x960 px, and a camera for images of 640x480"},
+    {"AllOffSizeBeforeAHeldCamera",
+     [](auto&, auto& size, auto& options) {
+       size = {640, 480};
+       options.fix = {"all"};
+       options.initial = Camera::make("pinhole", size, {500, 500, 320, 240})->to_calibration();
+     },
+     ErrorCode::kInvalidArgument, "images of 1280x960 px"},
+    {"HeldWhereNoCameraIs", [](auto&, auto&, auto& options) { options.fix = {"cx=1e300"}; },
+     ErrorCode::kInvalidArgument, "'cx=1e300'"},
+    {"HeldCoefficientThatNoLensHas",
+     [](auto&, auto&, auto& options) { options.fix = {"k1=-1e10"}; }, ErrorCode::kInvalidArgument,
+     "'k1=-1e10'"},
     {"UnknownModel", [](auto&, auto&, auto& options) { options.model = "brown99"; },
      ErrorCode::kUnsupported, "brown5"},
     {"NoIterations", [](auto&, auto&, auto& options) { options.max_iterations = 0; },
-     ErrorCode::kDegenerate, "converge"},
+     ErrorCode::kInvalidArgument, "max_iterations"},
+    {"LessThanNoIterations", [](auto&, auto&, auto& options) { options.max_iterations = -1; },
+     ErrorCode::kInvalidArgument, "max_iterations"},
     {"OnePoseTwice",
      [](auto& views, auto&, auto&) {
        views = {views[0], views[0]};
@@ -173,6 +187,34 @@ const BadInput kBadInputs[] = {
      },
      ErrorCode::kDegenerate, "views"},
 };
+
+// Whether anything moves in the views or not.
+TEST(Readout, ThatNoFrameHasIsRefused) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Random random(9);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const auto views = scenes::observe_all(
+      camera, kBoard, scenes::random_poses(camera, kBoard, random, 10), 0.1, random);
+  SolveOptions options;
+  for (const ReadoutTime& readout : {ReadoutTime{kNan, 0},
+                                     {0.02, -1},
+                                     {0.02, kNan},
+                                     {0.02, kInfinity},
+                                     {1e300, 0},
+                                     {-61, 0},
+                                     {kInfinity, 0.1}}) {
+    options.readout = readout;
+    EXPECT_EQ(check(options).error().code, ErrorCode::kInvalidArgument) << readout.value;
+    const auto solution = solve(views, kSize, options);
+    ASSERT_FALSE(solution.has_value()) << readout.value << ' ' << readout.sigma;
+    EXPECT_EQ(solution.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(solution.error().message.find("readout"), std::string::npos);
+  }
+  options.readout = ReadoutTime{-0.02, 0.01};
+  EXPECT_TRUE(check(options).has_value());
+  EXPECT_TRUE(solve(views, kSize, options).has_value());
+}
 
 class BadInputs : public ::testing::TestWithParam<BadInput> {};
 INSTANTIATE_TEST_SUITE_P(Solve, BadInputs, ::testing::ValuesIn(kBadInputs),

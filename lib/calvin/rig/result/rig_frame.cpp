@@ -6,6 +6,7 @@
 #include "calvin/rig/result/rig_frame.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -76,6 +77,18 @@ void add_own_frame(PlacedCameras& frames) {
 }
 
 Status check_world(const RigWorld& world, const std::vector<std::string>& names) {
+  for (const RigWorld::Turn& turn : world.turns) {
+    if (turn.axis >= 0 && turn.axis <= 2) continue;
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("The frame of the rig cannot be turned about axis {}: give 0 for "
+                                  "x, 1 for y or 2 for z.",
+                                  turn.axis));
+  }
+  if (world.time && std::isnan(*world.time)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "The time of the board that is the frame of the rig is no number: give "
+                      "seconds, or infinity for the last one.");
+  }
   if (world.camera.empty() || std::ranges::find(names, world.camera) != names.end()) return {};
   return make_error(ErrorCode::kInvalidArgument,
                     fmt::format("The frame of the rig is to be that of '{}', which is none of its "

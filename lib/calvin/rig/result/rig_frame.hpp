@@ -23,7 +23,8 @@ namespace calvin::rig {
 // Adds a frame that is that of the rig, exactly.
 void add_own_frame(PlacedCameras& frames);
 
-// What of `world` is another camera than those with these names, kInvalidArgument with all names.
+// kInvalidArgument where `world` is of another camera than those with these names, with all names,
+// and for a turn about no axis and a time that is no number.
 [[nodiscard]] Status check_world(const RigWorld& world, const std::vector<std::string>& names);
 
 // Where that camera is not in the rig: a sentence that says so, and there is no wish any more.

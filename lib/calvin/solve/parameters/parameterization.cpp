@@ -109,6 +109,13 @@ class Reader {
   }
 
   Status hold_at(int unknown, double value, std::string_view word) {
+    constexpr double kMost = 1e9;  // px, and more than any coefficient
+    if (!(std::abs(value) <= kMost)) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("'{}' cannot be fixed: no camera has such a number; give one "
+                                    "of at most {:g}.",
+                                    word, kMost));
+    }
     if (table_.focal(0).has(unknown) && !(value > 0)) {
       return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("'{}' cannot be fixed: a focal length is positive.", word));
@@ -189,15 +196,7 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
   parameterization.model = options.model;
   parameterization.lens = *find_lens(options.model);
   TableCamera camera = {options.model, options.skew};
-  if (options.readout) {
-    const ReadoutTime& readout = *options.readout;
-    if (!std::isfinite(readout.value) || !(readout.sigma >= 0) || std::isinf(readout.sigma)) {
-      return make_error(ErrorCode::kInvalidArgument,
-                        fmt::format("A readout of {} s with a sigma of {} s is no time.",
-                                    readout.value, readout.sigma));
-    }
-    camera.has_readout = true;
-  }
+  camera.has_readout = options.readout.has_value();
   if (options.initial) {
     const auto initial = initial_camera(*options.initial, size);
     if (!initial) return tl::unexpected<Error>(initial.error());
@@ -225,6 +224,16 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
                       "boards before a known camera fix all, and give initial.");
   }
   return parameterization;
+}
+
+Status check_readout(const ReadoutTime& readout) {
+  constexpr double kMost = 60;  // s: no frame takes longer
+  if (std::abs(readout.value) <= kMost && readout.sigma >= 0 && readout.sigma <= kMost) return {};
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("A readout of {} s with a sigma of {} s is that of no frame: give a time from "
+                  "-{} to {} s, and a sigma that is not negative (readout).",
+                  readout.value, readout.sigma, kMost, kMost));
 }
 
 void start_from(const Calibration& camera, Parameterization& parameterization) {

@@ -39,6 +39,9 @@ struct Parameterization {
                                                              ImageSize size,
                                                              const BoardUnknowns& board = {});
 
+// kInvalidArgument for what is no time from row to row of a frame.
+[[nodiscard]] Status check_readout(const ReadoutTime& readout);
+
 // Lets the solve start from a camera of any model; coefficients of an unrelated one do not count.
 void start_from(const Calibration& camera, Parameterization& parameterization);
 
