@@ -22,7 +22,7 @@ namespace calvin {
 namespace {
 
 // Of the units of its control no lens has more, and its cubics need differences.
-constexpr double kFarthest = 1e9;
+constexpr double kLargestPosition = 1e9;
 
 // "the setting at zoom 120, focus 30"
 std::string name_of(const Calibration& calibration) {
@@ -36,7 +36,7 @@ tl::unexpected<Error> refuse(std::string message) {
 }
 
 Status check_position(const Calibration& calibration, std::size_t number) {
-  const auto is_far = [](double x) { return !(std::abs(x) <= kFarthest); };
+  const auto is_far = [](double x) { return !(std::abs(x) <= kLargestPosition); };
   if (!calibration.zoom) {
     return refuse(fmt::format(
         "Calibration {} of the zoom table does not say where the zoom of the lens stood: give it "

@@ -68,7 +68,7 @@ void find_squares(const ImageView& image, detect::Pattern pattern, const std::st
 std::optional<IdentifiedBoard> find_april_grid(const ImageView& image, double side, double spacing,
                                                const std::stop_token& stop) {
   constexpr int kRounds = 3;
-  constexpr double kAlike = 0.012;  // of spacings
+  constexpr double kSameSpacing = 0.012;  // of spacings
   std::optional<IdentifiedBoard> best;
   for (int i = 0; i < kRounds; ++i) {
     auto pattern = detect::any_april_grid(side, spacing);
@@ -84,7 +84,7 @@ std::optional<IdentifiedBoard> find_april_grid(const ImageView& image, double si
     const AprilGrid with_gaps = detect::with_seen_gaps(*grid, corners.observation);
     const auto board = parse_board(with_gaps.text());
     best = IdentifiedBoard{board ? *board : seen.front().board, seen.front().whole, false};
-    if (std::abs(with_gaps.spacing - spacing) < kAlike) break;
+    if (std::abs(with_gaps.spacing - spacing) < kSameSpacing) break;
     spacing = with_gaps.spacing;
   }
   return best;

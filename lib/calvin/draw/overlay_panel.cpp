@@ -23,28 +23,28 @@ Colour traffic_light(double t) {
 }
 
 // One stroke of an icon, in a square of side 1.
-struct Stroke {
+struct IconLine {
   double x0, y0, x1, y1;
 };
 
-constexpr std::array kCoverageIcon = {Stroke{0, 0.1, 1, 0.1}, Stroke{1, 0.1, 1, 0.9},
-                                      Stroke{1, 0.9, 0, 0.9}, Stroke{0, 0.9, 0, 0.1},
-                                      Stroke{0, 0.5, 1, 0.5}, Stroke{0.5, 0.1, 0.5, 0.9}};
-constexpr std::array kAcrossIcon = {Stroke{0, 0.5, 1, 0.5}, Stroke{0, 0.5, 0.25, 0.25},
-                                    Stroke{0, 0.5, 0.25, 0.75}, Stroke{1, 0.5, 0.75, 0.25},
-                                    Stroke{1, 0.5, 0.75, 0.75}};
-constexpr std::array kDownIcon = {Stroke{0.5, 0, 0.5, 1}, Stroke{0.5, 0, 0.25, 0.25},
-                                  Stroke{0.5, 0, 0.75, 0.25}, Stroke{0.5, 1, 0.25, 0.75},
-                                  Stroke{0.5, 1, 0.75, 0.75}};
-constexpr std::array kSizeIcon = {Stroke{0, 0, 1, 0},       Stroke{1, 0, 1, 1},
-                                  Stroke{1, 1, 0, 1},       Stroke{0, 1, 0, 0},
-                                  Stroke{0, 0.5, 0.5, 0.5}, Stroke{0.5, 0.5, 0.5, 1}};
-constexpr std::array kTiltIcon = {Stroke{0.05, 0, 0.95, 0.25}, Stroke{0.95, 0.25, 0.95, 0.75},
-                                  Stroke{0.95, 0.75, 0.05, 1}, Stroke{0.05, 1, 0.05, 0}};
+constexpr std::array kCoverageIcon = {IconLine{0, 0.1, 1, 0.1}, IconLine{1, 0.1, 1, 0.9},
+                                      IconLine{1, 0.9, 0, 0.9}, IconLine{0, 0.9, 0, 0.1},
+                                      IconLine{0, 0.5, 1, 0.5}, IconLine{0.5, 0.1, 0.5, 0.9}};
+constexpr std::array kAcrossIcon = {IconLine{0, 0.5, 1, 0.5}, IconLine{0, 0.5, 0.25, 0.25},
+                                    IconLine{0, 0.5, 0.25, 0.75}, IconLine{1, 0.5, 0.75, 0.25},
+                                    IconLine{1, 0.5, 0.75, 0.75}};
+constexpr std::array kDownIcon = {IconLine{0.5, 0, 0.5, 1}, IconLine{0.5, 0, 0.25, 0.25},
+                                  IconLine{0.5, 0, 0.75, 0.25}, IconLine{0.5, 1, 0.25, 0.75},
+                                  IconLine{0.5, 1, 0.75, 0.75}};
+constexpr std::array kSizeIcon = {IconLine{0, 0, 1, 0},       IconLine{1, 0, 1, 1},
+                                  IconLine{1, 1, 0, 1},       IconLine{0, 1, 0, 0},
+                                  IconLine{0, 0.5, 0.5, 0.5}, IconLine{0.5, 0.5, 0.5, 1}};
+constexpr std::array kTiltIcon = {IconLine{0.05, 0, 0.95, 0.25}, IconLine{0.95, 0.25, 0.95, 0.75},
+                                  IconLine{0.95, 0.75, 0.05, 1}, IconLine{0.05, 1, 0.05, 0}};
 
 struct Bar {
   double Progress::*value;
-  std::span<const Stroke> icon;
+  std::span<const IconLine> icon;
   const char* words;
 };
 constexpr std::array kBars = {
@@ -99,13 +99,13 @@ struct PanelLayout {
   double height = 0;
 };
 
-void add_icon(std::vector<Shape>& shapes, const PanelLayout& panel, std::span<const Stroke> icon,
+void add_icon(std::vector<Shape>& shapes, const PanelLayout& panel, std::span<const IconLine> icon,
               double middle) {
   const double side = panel.icon;
   const double pen = std::max(1.0, panel.unit);
   const double x = panel.left + panel.padding;
   const double y = middle - side / 2;
-  for (const Stroke& s : icon) {
+  for (const IconLine& s : icon) {
     shapes.push_back({Shape::Kind::kLine,
                       {x + s.x0 * side, y + s.y0 * side},
                       {x + s.x1 * side, y + s.y1 * side},

@@ -12,10 +12,8 @@
 
 namespace calvin {
 
-namespace {
-
 // Whole pixels, right and bottom excluded.
-struct Box {
+struct CellBox {
   int left = 0;
   int top = 0;
   int right = 0;
@@ -23,8 +21,10 @@ struct Box {
   [[nodiscard]] bool empty() const noexcept { return left >= right || top >= bottom; }
 };
 
+namespace {
+
 // The pixels of an extent.
-Box box_around(const Extent& extent) {
+CellBox box_around(const Extent& extent) {
   static constexpr double kFarthest = 1e6;  // beyond any frame
   const auto whole = [](double value) {
     return static_cast<int>(std::clamp(value, -kFarthest, kFarthest));
@@ -33,14 +33,14 @@ Box box_around(const Extent& extent) {
           whole(std::ceil(extent.right)) + 1, whole(std::ceil(extent.bottom)) + 1};
 }
 
-Box clipped(const Box& box, const Box& bounds) {
+CellBox clipped(const CellBox& box, const CellBox& bounds) {
   return {std::clamp(box.left, bounds.left, bounds.right),
           std::clamp(box.top, bounds.top, bounds.bottom),
           std::clamp(box.right, bounds.left, bounds.right),
           std::clamp(box.bottom, bounds.top, bounds.bottom)};
 }
 
-Box united(const Box& a, const Box& b) {
+CellBox united(const CellBox& a, const CellBox& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
   return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
@@ -75,7 +75,7 @@ class OverlayCells {
   [[nodiscard]] const std::vector<std::size_t>& touching(int column, int row) const {
     return touched_[index(column, row)];
   }
-  [[nodiscard]] Box cells(int first_column, int last_column, int row) const noexcept {
+  [[nodiscard]] CellBox cells(int first_column, int last_column, int row) const noexcept {
     return {first_column * cell_, row * cell_, std::min((last_column + 1) * cell_, frame_.right),
             std::min((row + 1) * cell_, frame_.bottom)};
   }
@@ -86,7 +86,7 @@ class OverlayCells {
   }
 
   // Around the shape of that number, in the order in which they were added.
-  [[nodiscard]] const Box& box(std::size_t number) const { return boxes_[number]; }
+  [[nodiscard]] const CellBox& box(std::size_t number) const { return boxes_[number]; }
 
   // A line is cut into pieces of a cell's length, so that a diagonal does not touch its whole
   // bounding box.
@@ -117,7 +117,7 @@ class OverlayCells {
     return {std::lerp(shape.from.u, shape.to.u, t), std::lerp(shape.from.v, shape.to.v, t)};
   }
 
-  void touch(const Box& box, std::size_t number, bool moves) {
+  void touch(const CellBox& box, std::size_t number, bool moves) {
     if (box.empty()) return;
     for (int row = box.top / cell_; row <= (box.bottom - 1) / cell_; ++row) {
       for (int column = box.left / cell_; column <= (box.right - 1) / cell_; ++column) {
@@ -128,13 +128,13 @@ class OverlayCells {
     }
   }
 
-  Box frame_;
+  CellBox frame_;
   int cell_;  // px, a multiple of 8
   int columns_;
   int rows_;
   std::vector<std::vector<std::size_t>> touched_;
   std::vector<bool> moves_;  // whether one of them does
-  std::vector<Box> boxes_;
+  std::vector<CellBox> boxes_;
 };
 
 namespace {
@@ -168,16 +168,16 @@ void paint(const Shape& shape, int left, int top, TilePlanes& planes) {
 }
 
 // Grown to multiples of four: then no chroma sample of any format lies in two tiles.
-Box aligned(const Box& box, const Box& bounds) {
+CellBox aligned(const CellBox& box, const CellBox& bounds) {
   return {box.left / 4 * 4, box.top / 4 * 4, std::min((box.right + 3) / 4 * 4, bounds.right),
           std::min((box.bottom + 3) / 4 * 4, bounds.bottom)};
 }
 
 // What the tile of a run of touched cells covers, and the numbers of the shapes in it; `last` is
 // the run's last column.
-Box box_of(const OverlayCells& cells, int first, int last, int row,
-           std::vector<std::size_t>& numbers) {
-  Box box;
+CellBox box_of(const OverlayCells& cells, int first, int last, int row,
+               std::vector<std::size_t>& numbers) {
+  CellBox box;
   numbers.clear();
   for (int column = first; column <= last; ++column) {
     for (const std::size_t number : cells.touching(column, row)) {
@@ -261,7 +261,7 @@ void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
       if (cells.touching(column, row).empty()) continue;
       const int first = column;
       while (column + 1 < cells.columns() && cells.join(column, column + 1, row)) ++column;
-      const Box box = box_of(cells, first, column, row, numbers_);
+      const CellBox box = box_of(cells, first, column, row, numbers_);
       within_.clear();
       for (const std::size_t number : numbers_) within_.push_back(shapes[number]);
       add_tile({box.left, box.top, box.right - box.left, box.bottom - box.top});

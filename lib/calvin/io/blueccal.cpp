@@ -22,10 +22,10 @@ namespace calvin {
 
 namespace {
 
-constexpr const char* kPoints = "points.dat";
-constexpr const char* kVisible = "IdMat.dat";
-constexpr const char* kSizes = "Res.dat";
-constexpr const char* kNames = "camera_order.txt";
+constexpr const char* kPointsFile = "points.dat";
+constexpr const char* kVisibleFile = "IdMat.dat";
+constexpr const char* kSizesFile = "Res.dat";
+constexpr const char* kNamesFile = "camera_order.txt";
 constexpr std::size_t kRows = 3;  // of a camera: u, v and 1
 constexpr std::size_t kMostCameras = 4096;
 constexpr std::uint64_t kFrame = 1'000'000'000;  // ns
@@ -81,31 +81,31 @@ struct Tables {
 Status check(const Tables& tables, std::string_view name) {
   if (tables.sizes.empty() || tables.sizes.size() > kMostCameras ||
       tables.sizes.front().size() != 2) {
-    return malformed(name, kSizes,
+    return malformed(name, kSizesFile,
                      "is not the width and the height of each camera, a row for each");
   }
   for (const auto& size : tables.sizes) {
     for (const double side : size) {
       if (side >= 1 && side <= 65536 && side == std::floor(side)) continue;
-      return malformed(name, kSizes, "has a size that is not 1 to 65536 whole pixels");
+      return malformed(name, kSizesFile, "has a size that is not 1 to 65536 whole pixels");
     }
   }
   if (tables.points.size() != kRows * tables.cameras()) {
-    return malformed(name, kPoints,
+    return malformed(name, kPointsFile,
                      fmt::format("has {} rows, where {} cameras have three each: u, v and 1",
                                  tables.points.size(), tables.cameras()));
   }
   if (!tables.visible.empty() && (tables.visible.size() != tables.cameras() ||
                                   tables.visible.front().size() != tables.frames())) {
     return malformed(
-        name, kVisible,
+        name, kVisibleFile,
         fmt::format("has not a row for each of {} cameras with a column for each of {} "
                     "frames",
                     tables.cameras(), tables.frames()));
   }
   if (!tables.names.empty() && tables.names.size() != tables.cameras()) {
     return malformed(
-        name, kNames,
+        name, kNamesFile,
         fmt::format("has {} names of {} cameras", tables.names.size(), tables.cameras()));
   }
   return {};
@@ -153,7 +153,8 @@ Result<std::string> read_needed(const std::filesystem::path& folder, const char*
       ErrorCode::kNotFound,
       fmt::format("'{}' cannot be used as what BlueCCal writes: {} is missing in it. The folder "
                   "has to hold {} and {}, and may hold {} and {}.",
-                  shortened(folder.string(), 400), file, kPoints, kSizes, kVisible, kNames));
+                  shortened(folder.string(), 400), file, kPointsFile, kSizesFile, kVisibleFile,
+                  kNamesFile));
 }
 
 }  // namespace
@@ -162,9 +163,9 @@ Result<std::vector<ObservationFile>> parse_blueccal(const BlueCcalText& text,
                                                     std::string_view name) {
   Tables tables;
   const std::pair<Rows Tables::*, std::pair<std::string_view, const char*>> files[] = {
-      {&Tables::points, {text.points, kPoints}},
-      {&Tables::visible, {text.visible, kVisible}},
-      {&Tables::sizes, {text.sizes, kSizes}}};
+      {&Tables::points, {text.points, kPointsFile}},
+      {&Tables::visible, {text.visible, kVisibleFile}},
+      {&Tables::sizes, {text.sizes, kSizesFile}}};
   for (const auto& [rows, file] : files) {
     auto read = rows_of(file.first, name, file.second);
     if (!read) return tl::unexpected(read.error());
@@ -178,13 +179,13 @@ Result<std::vector<ObservationFile>> parse_blueccal(const BlueCcalText& text,
 }
 
 Result<std::vector<ObservationFile>> read_blueccal(const std::filesystem::path& folder) {
-  const auto points = read_needed(folder, kPoints);
+  const auto points = read_needed(folder, kPointsFile);
   if (!points) return tl::unexpected(points.error());
-  const auto sizes = read_needed(folder, kSizes);
+  const auto sizes = read_needed(folder, kSizesFile);
   if (!sizes) return tl::unexpected(sizes.error());
-  const auto visible = read_if_there(folder / kVisible);
+  const auto visible = read_if_there(folder / kVisibleFile);
   if (!visible) return tl::unexpected(visible.error());
-  const auto names = read_if_there(folder / kNames);
+  const auto names = read_if_there(folder / kNamesFile);
   if (!names) return tl::unexpected(names.error());
   return parse_blueccal({*points, *visible, *sizes, *names}, folder.string());
 }

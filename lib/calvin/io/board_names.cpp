@@ -24,7 +24,7 @@ namespace {
 using io::Node;
 
 constexpr std::size_t kMaxNamesBytes = std::size_t{1} << 20;
-constexpr std::string_view kFormat = "calvin-boards";
+constexpr std::string_view kBoardsFormat = "calvin-boards";
 constexpr std::string_view kExampleFile =
     R"({"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}})";
 
@@ -41,7 +41,7 @@ Node empty_file() {
   return {Node::Kind::kMap,
           {},
           {"format", "version", "boards"},
-          {text_node(kFormat), version, {Node::Kind::kMap, {}, {}, {}}}};
+          {text_node(kBoardsFormat), version, {Node::Kind::kMap, {}, {}, {}}}};
 }
 
 // The text of a board in the map, which stands alone or in an object; null where there is none.
@@ -53,7 +53,8 @@ AnyNode* text_of(AnyNode& board) {
 
 Status check_names(const std::string& path, const Node& root) {
   const Node* format = root.find("format");
-  if (format == nullptr || format->text != kFormat) return broken(path, "its format is another");
+  if (format == nullptr || format->text != kBoardsFormat)
+    return broken(path, "its format is another");
   const Node* version = root.find("version");
   const auto number = version != nullptr && version->kind == Node::Kind::kPlain
                           ? parse_int(version->text)

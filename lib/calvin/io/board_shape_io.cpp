@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kModes = 12;
 constexpr std::size_t kMostModes = 64;
-constexpr double kFarthest = 10;  // m, of an offset, of its sigma and of a mode
+constexpr double kLargestOffset = 10;  // m, of an offset, of its sigma and of a mode
 
 Node number(double x) { return {Node::Kind::kPlain, fmt::format("{:.5g}", x), {}, {}}; }
 
@@ -77,7 +77,7 @@ Result<BoardMeasurement> read_shape(const Node& node, const Board& board) {
   const auto views = fields.rows("views", 4);
   const auto all_within = [](const std::vector<std::vector<double>>& rows, double least) {
     return std::all_of(rows.begin(), rows.end(), [least](const std::vector<double>& row) {
-      return within(row, least, kFarthest);
+      return within(row, least, kLargestOffset);
     });
   };
   if (!error && (offsets.size() != points || own.size() != points)) {
@@ -85,7 +85,7 @@ Result<BoardMeasurement> read_shape(const Node& node, const Board& board) {
   }
   if (!error && modes.size() > kMostModes) fields.complain("modes", "has too many modes");
   constexpr double kLeastSigma = 1e-9;  // m
-  if (!error && (!all_within(offsets, -kFarthest) || !all_within(modes, -kFarthest) ||
+  if (!error && (!all_within(offsets, -kLargestOffset) || !all_within(modes, -kLargestOffset) ||
                  !all_within(own, kLeastSigma))) {
     fields.complain("offsets", "has numbers that no board has");
   }

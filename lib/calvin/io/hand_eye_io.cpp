@@ -25,8 +25,8 @@ using io::Fields;
 using io::Node;
 using io::NodeMap;
 
-constexpr std::string_view kFormat = "calvin-hand-eye";
-constexpr int kVersion = 1;
+constexpr std::string_view kHandEyeFormat = "calvin-hand-eye";
+constexpr int kHandEyeVersion = 1;
 constexpr std::size_t kPose = 6;
 
 // The names of the two poses say what camera and board are fixed to.
@@ -96,7 +96,7 @@ void read_fields(Fields& fields, HandEye& hand_eye) {
   }
 }
 
-Result<HandEye> parse_text(std::string_view content) {
+Result<HandEye> hand_eye_of(std::string_view content) {
   const auto root = io::parse_text_document(content);
   if (!root) return tl::unexpected(root.error());
   if (root->kind != Node::Kind::kMap) {
@@ -104,15 +104,15 @@ Result<HandEye> parse_text(std::string_view content) {
   }
   std::optional<Error> problem;
   Fields fields(*root, "", problem);
-  io::read_head(fields, kFormat, kVersion, "a hand-eye calibration");
+  io::read_head(fields, kHandEyeFormat, kHandEyeVersion, "a hand-eye calibration");
   HandEye hand_eye;
   if (!problem) read_fields(fields, hand_eye);
   if (problem) return tl::unexpected(*problem);
   return hand_eye;
 }
 
-constexpr io::FileKind kKind = {"The text", "a hand-eye calibration",
-                                "Give a file that calvin-hand-eye has written."};
+constexpr io::FileKind kHandEyeFile = {"The text", "a hand-eye calibration",
+                                       "Give a file that calvin-hand-eye has written."};
 
 // ---- Writing ------------------------------------------------------------------------------------
 
@@ -129,8 +129,8 @@ Result<std::string> print_fields(const HandEye& hand_eye) {
   if (!calibration) return tl::unexpected(calibration.error());
   const SetupNames& names = names_of(hand_eye.setup);
   NodeMap map;
-  map.put("format", io::text_node(kFormat));
-  map.put("version", io::integer_node(kVersion));
+  map.put("format", io::text_node(kHandEyeFormat));
+  map.put("version", io::integer_node(kHandEyeVersion));
   map.put("eye", io::text_node(names.name));
   map.put("camera", io::text_node(hand_eye.calibration.camera));
   map.put(names.camera, io::pose_node(hand_eye.mount_from_camera));
@@ -160,7 +160,7 @@ Result<std::string> print_fields(const HandEye& hand_eye) {
 }  // namespace
 
 Result<HandEye> parse_hand_eye(std::string_view content, std::string_view name) {
-  return io::parse_as<HandEye>(kKind, name, parse_text, content);
+  return io::parse_as<HandEye>(kHandEyeFile, name, hand_eye_of, content);
 }
 
 Result<HandEye> read_hand_eye(const std::filesystem::path& path) {

@@ -26,20 +26,20 @@ namespace {
 
 // Kalibr's names for a model of ours. `before` parameters of a projection stand before fu fv pu pv;
 // coefficients of a distortion are a list of their own.
-struct Row {
+struct ModelNames {
   std::string_view projection;
   std::string_view distortion;
   std::string_view model;
   std::size_t before;
   std::size_t coefficients;
 };
-constexpr std::array<Row, 7> kModels = {{{"pinhole", "none", "pinhole", 0, 0},
-                                         {"pinhole", "radtan", "brown4", 0, 4},
-                                         {"pinhole", "equidistant", "fisheye", 0, 4},
-                                         {"pinhole", "fov", "fov", 0, 1},
-                                         {"omni", "none", "ucm", 1, 0},
-                                         {"eucm", "none", "eucm", 2, 0},
-                                         {"ds", "none", "doublesphere", 2, 0}}};
+constexpr std::array<ModelNames, 7> kModelNames = {{{"pinhole", "none", "pinhole", 0, 0},
+                                                    {"pinhole", "radtan", "brown4", 0, 4},
+                                                    {"pinhole", "equidistant", "fisheye", 0, 4},
+                                                    {"pinhole", "fov", "fov", 0, 1},
+                                                    {"omni", "none", "ucm", 1, 0},
+                                                    {"eucm", "none", "eucm", 2, 0},
+                                                    {"ds", "none", "doublesphere", 2, 0}}};
 
 // Kalibr's omni is C. Mei's: xi, and focal lengths of the plane at the distance 1 of the centre of
 // projection; ours has alpha = xi / (1 + xi) and focal lengths of a plane at 1 + xi.
@@ -61,14 +61,14 @@ std::string name_of(std::size_t number) { return fmt::format("cam{}", number); }
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-std::optional<Camera> read_camera(Fields& fields) {
+std::optional<Camera> read_intrinsics(Fields& fields) {
   const std::string projection = fields.word("camera_model");
   std::string distortion = fields.word("distortion_model");
   if (distortion.empty()) distortion = "none";
-  const auto row = std::ranges::find_if(kModels, [&](const Row& r) {
+  const auto row = std::ranges::find_if(kModelNames, [&](const ModelNames& r) {
     return r.projection == projection && r.distortion == distortion;
   });
-  if (row == kModels.end()) {
+  if (row == kModelNames.end()) {
     fields.complain("camera_model",
                     fmt::format("is {} with the distortion {}, which no camera model here has",
                                 shortened(projection, 40), shortened(distortion, 40)),
@@ -172,13 +172,13 @@ Result<Camera> simplified(const Calibration& calibration) {
   return Camera::make(simple && calibration.model != "pinhole" ? *simple : calibration);
 }
 
-Result<const Row*> row_for(const Camera& camera, std::string_view name) {
-  const auto row =
-      std::ranges::find_if(kModels, [&](const Row& r) { return r.model == camera.model(); });
+Result<const ModelNames*> row_for(const Camera& camera, std::string_view name) {
+  const auto row = std::ranges::find_if(
+      kModelNames, [&](const ModelNames& r) { return r.model == camera.model(); });
   // C. Mei's xi has no end where alpha is 1, and near it digits are lost.
   constexpr double kMostAlpha = 0.999;
   const bool is_finite = camera.model() != "ucm" || camera.parameters()[4] < kMostAlpha;
-  if (row != kModels.end() && camera.skew() == 0 && is_finite) return &*row;
+  if (row != kModelNames.end() && camera.skew() == 0 && is_finite) return &*row;
   return make_error(
       ErrorCode::kUnsupported,
       fmt::format("Kalibr has no camera like '{}', a {}{}: calibrate with brown4 or "
@@ -223,7 +223,8 @@ Result<std::string> camera_text(const RigCamera& of, std::size_t cameras, std::s
 }  // namespace
 
 bool kalibr_holds(std::string_view model) {
-  return std::ranges::any_of(kModels, [&](const Row& row) { return row.model == model; });
+  return std::ranges::any_of(kModelNames,
+                             [&](const ModelNames& row) { return row.model == model; });
 }
 
 bool is_kalibr(const Node& root) {
@@ -238,7 +239,7 @@ Result<Rig> read_kalibr(const Node& root) {
   SE3 rig_from_camera;
   for (std::size_t n = 0; root.find(name_of(n)) != nullptr && !problem; ++n) {
     Fields fields = chain.map(name_of(n));
-    const auto camera = read_camera(fields);
+    const auto camera = read_intrinsics(fields);
     if (n > 0 && camera) {
       const auto from_last = motion_from_last(fields, chain.map(name_of(n - 1)));
       if (from_last) rig_from_camera = rig_from_camera * from_last->inverse();

@@ -27,11 +27,11 @@ namespace {
 constexpr std::string_view kPrefix = "LENSMODEL_";
 
 // Lenses by what follows the prefix. The numbers behind fx fy cx cy are those of OpenCV.
-struct Lens {
+struct LensModel {
   std::string_view name;
   std::size_t coefficients;
 };
-constexpr std::array<Lens, 5> kLenses = {
+constexpr std::array<LensModel, 5> kLensModels = {
     {{"PINHOLE", 0}, {"OPENCV4", 4}, {"OPENCV5", 5}, {"OPENCV8", 8}, {"OPENCV12", 12}}};
 
 // ---- Reading ------------------------------------------------------------------------------------
@@ -44,15 +44,15 @@ std::string_view lens_key(const Node& root) {
   return "distortion_model";
 }
 
-const Lens* read_lens(Fields& fields, std::string_view key) {
+const LensModel* read_lens(Fields& fields, std::string_view key) {
   const std::string text = fields.string(key);
   std::string_view name = text;
   for (const std::string_view prefix : {kPrefix, std::string_view("DISTORTION_")}) {
     if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
   }
   if (name == "NONE") name = "PINHOLE";
-  const auto lens = std::ranges::find(kLenses, name, &Lens::name);
-  if (lens != kLenses.end()) return &*lens;
+  const auto lens = std::ranges::find(kLensModels, name, &LensModel::name);
+  if (lens != kLensModels.end()) return &*lens;
   fields.complain(key,
                   fmt::format("is {}, which no camera model here is like: convert it with "
                               "mrcal-convert-lensmodel to LENSMODEL_OPENCV8",
@@ -76,7 +76,7 @@ std::vector<Pixel> read_region(Fields& fields) {
 }
 
 std::optional<Calibration> read_camera(Fields& fields, std::string_view key) {
-  const Lens* lens = read_lens(fields, key);
+  const LensModel* lens = read_lens(fields, key);
   if (lens == nullptr) return std::nullopt;
   const auto numbers = fields.numbers("intrinsics", 4 + lens->coefficients);
   const auto size = fields.numbers("imagersize", 2);
@@ -166,7 +166,8 @@ Result<std::string> print_mrcal(const RigCamera& camera) {
                     is_held ? " with skew" : ""));
   }
   if (calibration.model == "pinhole") numbers->distortion.clear();
-  const auto lens = std::ranges::find(kLenses, numbers->distortion.size(), &Lens::coefficients);
+  const auto lens =
+      std::ranges::find(kLensModels, numbers->distortion.size(), &LensModel::coefficients);
   std::vector<double> intrinsics = {numbers->k[0], numbers->k[4], numbers->k[2], numbers->k[5]};
   intrinsics.insert(intrinsics.end(), numbers->distortion.begin(), numbers->distortion.end());
   const SE3 camera_from_reference = to_se3(camera.rig_from_camera).inverse();

@@ -23,23 +23,23 @@ namespace {
 using io::Fields;
 using io::Node;
 
-constexpr std::string_view kFormat = "calvin-observations";
-constexpr int kVersion = 1;
+constexpr std::string_view kObservationsFormat = "calvin-observations";
+constexpr int kObservationsVersion = 1;
 constexpr int kMostId = 100'000'000;
 constexpr int kLongestSide = 65536;  // px
 
 void read_header(Fields& fields, ObservationFile& file) {
   const std::string format = fields.string("format");
-  if (!fields.failed() && format != kFormat) {
-    fields.complain("format",
-                    fmt::format("is '{}'; a file of observations says '{}'", format, kFormat));
+  if (!fields.failed() && format != kObservationsFormat) {
+    fields.complain("format", fmt::format("is '{}'; a file of observations says '{}'", format,
+                                          kObservationsFormat));
   }
   const int version = fields.integer("version");
-  if (!fields.failed() && version != kVersion) {
+  if (!fields.failed() && version != kObservationsVersion) {
     fields.complain("version",
                     fmt::format("is {}, and this version of the software reads {}; update it, or "
                                 "record the observations again",
-                                version, kVersion),
+                                version, kObservationsVersion),
                     ErrorCode::kUnsupported);
   }
   file.board = fields.optional_string("board");
@@ -216,8 +216,8 @@ Result<ObservationFile> read_observations(const std::filesystem::path& path) {
 }
 
 std::string print_observation_header(std::string_view board) {
-  return fmt::format("{{\"format\":\"{}\",\"version\":{},\"board\":{}}}\n", kFormat, kVersion,
-                     io::json_string(board));
+  return fmt::format("{{\"format\":\"{}\",\"version\":{},\"board\":{}}}\n", kObservationsFormat,
+                     kObservationsVersion, io::json_string(board));
 }
 
 namespace {

@@ -36,30 +36,30 @@ struct Name {
   Family family;
 };
 // A pinhole is a projection, and bends as the flag or another field says.
-constexpr std::array<Name, 18> kNames = {{{"fisheye", Family::kFisheye},
-                                          {"equidistant", Family::kFisheye},
-                                          {"kannala_brandt", Family::kFisheye},
-                                          {"kannala_brandt4", Family::kFisheye},
-                                          {"kannala_brandt8", Family::kFisheye},
-                                          {"kb4", Family::kFisheye},
-                                          {"opencv_fisheye", Family::kFisheye},
-                                          {"pinhole", Family::kEither},
-                                          {"perspective", Family::kEither},
-                                          {"plumb_bob", Family::kBrown},
-                                          {"brown_conrady", Family::kBrown},
-                                          {"radtan", Family::kBrown},
-                                          {"rational_polynomial", Family::kBrown},
-                                          {"rational", Family::kBrown},
-                                          {"thin_prism", Family::kBrown},
-                                          {"tilted", Family::kBrown},
-                                          {"opencv", Family::kBrown},
-                                          {"standard", Family::kBrown}}};
+constexpr std::array<Name, 18> kFamilyNames = {{{"fisheye", Family::kFisheye},
+                                                {"equidistant", Family::kFisheye},
+                                                {"kannala_brandt", Family::kFisheye},
+                                                {"kannala_brandt4", Family::kFisheye},
+                                                {"kannala_brandt8", Family::kFisheye},
+                                                {"kb4", Family::kFisheye},
+                                                {"opencv_fisheye", Family::kFisheye},
+                                                {"pinhole", Family::kEither},
+                                                {"perspective", Family::kEither},
+                                                {"plumb_bob", Family::kBrown},
+                                                {"brown_conrady", Family::kBrown},
+                                                {"radtan", Family::kBrown},
+                                                {"rational_polynomial", Family::kBrown},
+                                                {"rational", Family::kBrown},
+                                                {"thin_prism", Family::kBrown},
+                                                {"tilted", Family::kBrown},
+                                                {"opencv", Family::kBrown},
+                                                {"standard", Family::kBrown}}};
 
 std::optional<Family> family_of(std::string_view word) {
   const std::string plain = plain_key(word);
-  const auto known = std::find_if(kNames.begin(), kNames.end(),
+  const auto known = std::find_if(kFamilyNames.begin(), kFamilyNames.end(),
                                   [&](const Name& name) { return plain_key(name.name) == plain; });
-  if (known != kNames.end()) return known->family;
+  if (known != kFamilyNames.end()) return known->family;
   const LensTraits* own = opencv_lens(plain);
   if (own == nullptr) return std::nullopt;
   return own->opencv == OpenCvForm::kFisheye ? Family::kFisheye : Family::kBrown;
@@ -90,7 +90,7 @@ std::optional<bool> read_name(Fields& fields, const std::string& key) {
   }
   if (is_one_of(key, kDevices) && !is_other_lens(word)) return std::nullopt;
   std::vector<std::string_view> names;
-  for (const Name& name : kNames) names.push_back(name.name);
+  for (const Name& name : kFamilyNames) names.push_back(name.name);
   fields.complain(key,
                   fmt::format("is '{}', which is no lens of OpenCV's; read are {}",
                               shortened(word, 40), join(names, ", ")),

@@ -26,11 +26,11 @@ namespace {
 
 using Columns = std::vector<PointColumn>;
 
-struct ColumnName {
+struct FieldName {
   std::string_view text;
   PointField field;
 };
-constexpr ColumnName kNames[] = {
+constexpr FieldName kFieldNames[] = {
     {"id", PointField::kId},  {"X", PointField::kX},
     {"Y", PointField::kY},    {"Z", PointField::kZ},
     {"x", PointField::kX},    {"y", PointField::kY},
@@ -47,7 +47,7 @@ bool has(const Columns& columns, PointField field) {
 
 // Why columns are none of rows; empty where they are.
 std::string why_not(const Columns& columns) {
-  for (const ColumnName& name : kNames) {
+  for (const FieldName& name : kFieldNames) {
     const auto count = std::ranges::count(columns, name.field, &PointColumn::field);
     if (name.field != PointField::kSkip && count > 1) {
       return fmt::format("{} is there twice", name.text);
@@ -71,14 +71,14 @@ bool is_axis(PointField field) {
   return (field >= F::kX && field <= F::kZ) || (field >= F::kNx && field <= F::kNz);
 }
 
-Result<Columns> columns_of(const std::vector<std::string_view>& words) {
+Result<Columns> parse_columns(const std::vector<std::string_view>& words) {
   Columns columns;
   for (std::string_view word : words) {
     const bool negative = word.starts_with('-');
     if (negative) word.remove_prefix(1);
-    const auto* const known = std::find_if(std::begin(kNames), std::end(kNames),
+    const auto* const known = std::find_if(std::begin(kFieldNames), std::end(kFieldNames),
                                            [word](const auto& n) { return n.text == word; });
-    if (known == std::end(kNames) || (negative && !is_axis(known->field))) {
+    if (known == std::end(kFieldNames) || (negative && !is_axis(known->field))) {
       return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("'{}' is no column; there are id, X, Y, Z (or -X, -Y, -Z), "
                                     "diameter, nx, ny, nz, u, v, sigma, and _ for what does not "
@@ -193,7 +193,7 @@ class RowReader {
       return unit.has_value();
     }
     if (words.size() < 2) return false;
-    auto columns = columns_of(words);
+    auto columns = parse_columns(words);
     if (!columns) return false;
     if (!given_) columns_ = *std::move(columns);
     return true;
@@ -257,7 +257,7 @@ Result<std::vector<PointRow>> parse_lines(std::string_view content, const PointR
 }  // namespace
 
 Result<std::vector<PointColumn>> parse_point_columns(std::string_view text) {
-  auto columns = columns_of(fields_of(text));
+  auto columns = parse_columns(fields_of(text));
   if (columns) return columns;
   return make_error(columns.error().code,
                     fmt::format("The columns '{}' are wrong: {}. A right text is X,Y,Z,u,v.",

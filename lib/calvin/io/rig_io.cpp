@@ -69,7 +69,7 @@ const Reader* reader_of(const Node& root) {
   return reader == kReaders.end() ? nullptr : &*reader;
 }
 
-Result<Rig> parse_text(std::string_view content) {
+Result<Rig> rig_of(std::string_view content) {
   if (content.size() > kMaxRigBytes) {
     return make_error(
         ErrorCode::kMalformed,
@@ -89,7 +89,7 @@ Result<Rig> parse_text(std::string_view content) {
   return reader != nullptr ? reader->read(*root) : io::read_native_rig(*root);
 }
 
-constexpr io::FileKind kKind = {
+constexpr io::FileKind kRigFile = {
     "The text of a rig", "a rig",
     "Give a file that calvin-rig or calibrig has written, Kalibr's camchain, caliscope's "
     "camera_array.toml, OpenCV's stereo parameters in one file or two, Calib_Results_stereo of "
@@ -135,7 +135,7 @@ Status check(const Rig& rig) {
 }  // namespace
 
 Result<Rig> parse_rig(std::string_view content, std::string_view name) {
-  return io::parse_as<Rig>(kKind, name, parse_text, content);
+  return io::parse_as<Rig>(kRigFile, name, rig_of, content);
 }
 
 bool is_rig(std::string_view content) noexcept {
@@ -160,7 +160,7 @@ Result<Rig> read_rig(const std::filesystem::path& path) {
     const bool is_of_system =
         !rig && (rig.error().code == ErrorCode::kNotFound || rig.error().code == ErrorCode::kIo);
     if (!rig && !is_of_system) {
-      rig.error() = io::explained(kKind, path.string(), std::move(rig.error()));
+      rig.error() = io::explained(kRigFile, path.string(), std::move(rig.error()));
     }
     return rig;
   }
@@ -172,7 +172,7 @@ Result<Rig> read_rig(const std::filesystem::path& path) {
   if (!other) return tl::unexpected(other.error());
   if (!io::is_half_of_opencv_stereo(*content)) return parse_rig(*content, path.string());
   auto rig = io::join_opencv_stereo(*content, *other);
-  if (!rig) rig.error() = io::explained(kKind, path.string(), std::move(rig.error()));
+  if (!rig) rig.error() = io::explained(kRigFile, path.string(), std::move(rig.error()));
   return rig;
 }
 

@@ -20,8 +20,8 @@ namespace calvin::io {
 
 namespace {
 
-constexpr std::string_view kFormat = "calvin-rig";
-constexpr int kVersion = 1;
+constexpr std::string_view kRigFormat = "calvin-rig";
+constexpr int kRigVersion = 1;
 constexpr std::string_view kNoUnit = "none";
 constexpr std::size_t kPose = 6;
 constexpr std::size_t kMostBoards = 4096;
@@ -168,13 +168,13 @@ void put_boards(const Rig& rig, NodeMap& map) {
 
 bool is_native_rig(const Node& root) {
   const Node* format = root.find("format");
-  return format != nullptr && format->text == kFormat;
+  return format != nullptr && format->text == kRigFormat;
 }
 
 Result<Rig> read_native_rig(const Node& root) {
   std::optional<Error> problem;
   Fields fields(root, "", problem);
-  read_head(fields, kFormat, kVersion, "a rig");
+  read_head(fields, kRigFormat, kRigVersion, "a rig");
   Rig rig;
   if (!problem) read_cameras(fields, problem, rig);
   if (!problem) read_shown_boards(fields, problem, rig);
@@ -195,8 +195,8 @@ Result<std::string> print_native_rig(const Rig& rig) {
     cameras.items.push_back(*std::move(node));
   }
   NodeMap map;
-  map.put("format", text_node(kFormat));
-  map.put("version", integer_node(kVersion));
+  map.put("format", text_node(kRigFormat));
+  map.put("version", integer_node(kRigVersion));
   map.put("world", text_node(rig.world));
   if (!rig.is_metric) map.put("unit", text_node(kNoUnit));
   map.put("rms", rig.rms);

@@ -26,8 +26,8 @@ namespace calvin {
 
 namespace {
 
-constexpr double kRounding = 0.01;  // of the length of a quaternion, the entries of R^T R
-constexpr double kFarthest = 1e6;   // m
+constexpr double kRounding = 0.01;           // of the length of a quaternion, the entries of R^T R
+constexpr double kLargestTranslation = 1e6;  // m
 
 enum class Column { kX, kY, kZ, kQx, kQy, kQz, kQw, kTime, kName, kOther };
 constexpr std::size_t kPoseColumns = 7;  // those of a place and a quaternion come first
@@ -201,7 +201,7 @@ class PoseReader {
   }
 
   std::string keep(const SE3& motion, RobotPose pose) {
-    if (!(motion.translation.cwiseAbs().maxCoeff() <= kFarthest)) {
+    if (!(motion.translation.cwiseAbs().maxCoeff() <= kLargestTranslation)) {
       return "has a place farther than 1e6 m: it takes metres";
     }
     if (!pose.name.empty() && !names_.insert(pose.name).second) {

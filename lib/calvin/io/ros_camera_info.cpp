@@ -45,8 +45,8 @@ const Row* model_for(bool fisheye, std::size_t coefficients) {
 // Of a field in the files of camera_calibration_parsers, in the message of ROS 2 and in that of
 // ROS 1.
 using FieldNames = std::array<std::string_view, 3>;
-constexpr FieldNames kWidth = {"image_width", "width", "width"};
-constexpr FieldNames kHeight = {"image_height", "height", "height"};
+constexpr FieldNames kWidthNames = {"image_width", "width", "width"};
+constexpr FieldNames kHeightNames = {"image_height", "height", "height"};
 constexpr FieldNames kMatrix = {"camera_matrix", "k", "K"};
 constexpr FieldNames kCoefficients = {"distortion_coefficients", "d", "D"};
 
@@ -76,8 +76,8 @@ bool is_ros(const Node& root) { return root.find("distortion_model") != nullptr;
 Result<Calibration> read_ros(const Node& root) {
   std::optional<Error> problem;
   Fields fields(root, "", problem);
-  const std::string_view width = name_in(fields, kWidth);
-  const std::string_view height = name_in(fields, kHeight);
+  const std::string_view width = name_in(fields, kWidthNames);
+  const std::string_view height = name_in(fields, kHeightNames);
   const std::string_view coefficients = name_in(fields, kCoefficients);
   const ImageSize size = {fields.integer(width), fields.integer(height)};
   const std::string name = fields.word("distortion_model");

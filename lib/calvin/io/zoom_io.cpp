@@ -26,8 +26,8 @@ using io::Fields;
 using io::Node;
 using io::NodeMap;
 
-constexpr std::string_view kFormat = "calvin-zoom";
-constexpr int kVersion = 1;
+constexpr std::string_view kZoomFormat = "calvin-zoom";
+constexpr int kZoomVersion = 1;
 
 // ---- Reading ------------------------------------------------------------------------------------
 
@@ -63,7 +63,7 @@ std::vector<ZoomSetting> read_settings(Fields& fields, std::optional<Error>& pro
 Result<ZoomTable> read_table(const Node& root) {
   std::optional<Error> problem;
   Fields fields(root, "", problem);
-  io::read_head(fields, kFormat, kVersion, "a zoom table");
+  io::read_head(fields, kZoomFormat, kZoomVersion, "a zoom table");
   const std::string camera = fields.optional_string("camera");
   std::vector<ZoomSetting> settings;
   if (!problem) settings = read_settings(fields, problem);
@@ -87,7 +87,7 @@ Result<ZoomTable> read_table(const Node& root) {
   return table;
 }
 
-Result<ZoomTable> parse_text(std::string_view content) {
+Result<ZoomTable> zoom_table_of(std::string_view content) {
   if (content.size() > kMaxZoomBytes) {
     return make_error(ErrorCode::kMalformed,
                       fmt::format("it is larger than the {} MiB that a zoom table may have",
@@ -101,8 +101,8 @@ Result<ZoomTable> parse_text(std::string_view content) {
   return read_table(*root);
 }
 
-constexpr io::FileKind kKind = {"The text of a zoom table", "a zoom table",
-                                "Give a file that calvin-zoom has written."};
+constexpr io::FileKind kZoomFile = {"The text of a zoom table", "a zoom table",
+                                    "Give a file that calvin-zoom has written."};
 
 // ---- Writing ------------------------------------------------------------------------------------
 
@@ -129,8 +129,8 @@ Result<std::string> print(const ZoomTable& table) {
     settings.items.push_back(*std::move(node));
   }
   NodeMap map;
-  map.put("format", io::text_node(kFormat));
-  map.put("version", io::integer_node(kVersion));
+  map.put("format", io::text_node(kZoomFormat));
+  map.put("version", io::integer_node(kZoomVersion));
   if (!table.camera.empty()) map.put("camera", io::text_node(table.camera));
   map.put("settings", std::move(settings));
   return io::print_json(map.take());
@@ -139,18 +139,18 @@ Result<std::string> print(const ZoomTable& table) {
 }  // namespace
 
 Result<ZoomTable> parse_zoom_table(std::string_view content, std::string_view name) {
-  return io::parse_as<ZoomTable>(kKind, name, parse_text, content);
+  return io::parse_as<ZoomTable>(kZoomFile, name, zoom_table_of, content);
 }
 
 bool is_zoom_table(std::string_view content) noexcept {
   // Most files need not be parsed for this.
-  if (content.size() > kMaxZoomBytes || content.find(kFormat) == std::string_view::npos) {
+  if (content.size() > kMaxZoomBytes || content.find(kZoomFormat) == std::string_view::npos) {
     return false;
   }
   try {
     const auto root = io::parse_json(content);
     const Node* format = root ? root->find("format") : nullptr;
-    return format != nullptr && format->text == kFormat;
+    return format != nullptr && format->text == kZoomFormat;
   } catch (const std::exception&) {
     return false;
   }

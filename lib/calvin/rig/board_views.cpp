@@ -72,7 +72,7 @@ std::size_t number_of(const Board& board, std::vector<Board>& boards) {
 }
 
 constexpr Eigen::Index kMotions = 6;
-constexpr double kStep = 1e-6;  // rad, m
+constexpr double kSmallMotion = 1e-6;  // rad, m
 
 // px of u and v of every corner in turn; rows of corners without a projection are 0.
 Eigen::VectorXd projected(const PointSet& seen, const Camera& camera, const SE3& pose) {
@@ -99,12 +99,12 @@ std::vector<Pixel> rigid_velocities(const PointSet& seen, const Camera& camera,
   Eigen::MatrixXd columns(2 * static_cast<Eigen::Index>(count), kMotions);
   for (Eigen::Index k = 0; k < kMotions; ++k) {
     std::array<double, 6> d{};
-    d[static_cast<std::size_t>(k)] = kStep;
+    d[static_cast<std::size_t>(k)] = kSmallMotion;
     const SE3 ahead = retract(camera_from_board, d.data());
-    d[static_cast<std::size_t>(k)] = -kStep;
+    d[static_cast<std::size_t>(k)] = -kSmallMotion;
     const SE3 behind = retract(camera_from_board, d.data());
     columns.col(k) =
-        (projected(seen, camera, ahead) - projected(seen, camera, behind)) / (2 * kStep);
+        (projected(seen, camera, ahead) - projected(seen, camera, behind)) / (2 * kSmallMotion);
   }
   Eigen::VectorXd right(columns.rows());
   Eigen::VectorXd weight(columns.rows());

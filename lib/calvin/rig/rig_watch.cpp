@@ -14,6 +14,7 @@
 #include <Eigen/Cholesky>
 
 #include "calvin/core/text.hpp"
+#include "calvin/geometry/median.hpp"
 #include "calvin/geometry/se3.hpp"
 
 namespace calvin {
@@ -25,7 +26,7 @@ using rig::PairTest;
 using rig::Vector6;
 
 // An instant contradicts the rig where e^T C^-1 e / 6 is larger: by chance one of 15000 does.
-constexpr double kFar = 5;
+constexpr double kContradicts = 5;
 constexpr int kInARow = 5;  // which say the same
 // Of the mean of several: 5 sigmas in every number.
 constexpr double kMoved = 25;
@@ -45,12 +46,6 @@ std::vector<RigCameraViews> at_some_instants(const std::vector<RigCameraViews>& 
     }
   }
   return some;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // Whether the board stands elsewhere, so that the noise of its corners is another one.
@@ -82,7 +77,7 @@ WatchedRig watched_rig(const Rig& rig, const std::vector<RigCameraViews>& seen,
   }
   for (auto& [pair, all] : squares) {
     if (all.size() < kFewest) continue;
-    const double usual = std::max(median(std::move(all)) / kMedianOfChiSquare, 1.0);
+    const double usual = std::max(median_of(std::move(all)) / kMedianOfChiSquare, 1.0);
     watched.pairs.push_back({pair.first, pair.second, usual});
   }
   return watched;
@@ -145,12 +140,12 @@ RigWatch::Mean RigWatch::Evidence::mean() const {
 bool RigWatch::Evidence::says_same(const rig::Discrepancy& now, double usual) const {
   const Mean so_far = mean();
   const Matrix6 covariance = now.of_noise + so_far.covariance + now.in_common;
-  return rig::normalised_square(now.change - so_far.change, covariance) <= kFar * usual;
+  return rig::normalised_square(now.change - so_far.change, covariance) <= kContradicts * usual;
 }
 
 void RigWatch::Evidence::add(const PairTest& test, const std::string& other, double usual) {
   const rig::Discrepancy& now = test.discrepancy;
-  const bool agrees = now.square() <= kFar * usual;
+  const bool agrees = now.square() <= kContradicts * usual;
   const bool goes_on = in_a_row > 0 && says_same(now, usual);
   if (agrees && !goes_on) agreed = test.timestamp;
   if (!goes_on) {

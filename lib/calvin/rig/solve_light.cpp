@@ -20,6 +20,7 @@
 #include "calvin/rig/light/light_fit.hpp"
 #include "calvin/rig/light/light_refinement.hpp"
 #include "calvin/rig/light/wand.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/solve/uncertainty.hpp"
 #include "calvin/target/kinds.hpp"
 
@@ -27,7 +28,7 @@ namespace calvin {
 
 namespace {
 
-constexpr Eigen::Index kPose = 6;
+using rig::kPose;
 
 // Says what the fit has found.
 class Report {

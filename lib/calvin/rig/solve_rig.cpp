@@ -25,6 +25,7 @@
 #include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/rig/lenses/lens_check.hpp"
 #include "calvin/rig/lenses/solve_with_lenses.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/rig/result/fixed_board_result.hpp"
 #include "calvin/rig/result/rig_frame.hpp"
 #include "calvin/rig/result/rig_links.hpp"
@@ -41,7 +42,7 @@ namespace {
 using rig::BoardView;
 using rig::Link;
 
-constexpr Eigen::Index kPose = 6;
+using rig::kPose;
 
 Status check_count(std::size_t cameras, RigMode mode) {
   const std::size_t least = mode == RigMode::kFloor ? 1 : 2;

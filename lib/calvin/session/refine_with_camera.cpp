@@ -25,7 +25,7 @@ namespace {
 
 using detect::SaddleFit;
 
-constexpr int kSteps = 10;
+constexpr int kIterations = 10;
 constexpr float kTolerance = 0.002F;  // px
 constexpr double kFarthest = 1.5;     // px, of a corner from its first place
 constexpr double kRoom = 2.5;         // px, of a patch around a window
@@ -148,7 +148,7 @@ class CornerRefinement {
     const int middle = patch.width / 2;
     const float radius = std::min(detect::last_radius(surroundings_.clear(spacing), width),
                                   static_cast<float>(middle - kRoom));
-    const bool good = room > 1 && fit_saddle(patch, radius, kSteps, f, kTolerance);
+    const bool good = room > 1 && fit_saddle(patch, radius, kIterations, f, kTolerance);
     const Pixel to = place(i, f);
     if (!good || !(std::hypot(to.u - seen_.uv[i].u, to.v - seen_.uv[i].v) < kFarthest)) {
       fits_[i].reset();

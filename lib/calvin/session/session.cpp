@@ -33,7 +33,7 @@ constexpr double kNewPosition = 0.08;    // of the image diagonal
 constexpr double kNewShape = 0.025;      // of the board's size in the image
 constexpr double kSameSheet = 0.5;       // of the board's size in the image, between two frames
 constexpr std::size_t kMostSheets = 16;  // of a board that are remembered
-constexpr std::size_t kMostBoards = 16;  // by their texts, likewise
+constexpr std::size_t kMostTexts = 16;   // by their texts, likewise
 constexpr std::uint64_t kRestless = 2'200'000'000;  // ns, longer than a board is on its way
 constexpr std::size_t kMostTimes = 16;              // between frames, likewise
 
@@ -259,7 +259,7 @@ View Session::moving(View view, const CornerVelocities& velocities) const {
 Session::Recent& Session::recent(const std::string& board) {
   const auto it = std::ranges::find(recent_, board, &Recent::board);
   if (it != recent_.end()) return *it;
-  if (recent_.size() >= kMostBoards) recent_.erase(recent_.begin());
+  if (recent_.size() >= kMostTexts) recent_.erase(recent_.begin());
   recent_.push_back({board, kNoTimestamp, {}, {}});
   return recent_.back();
 }

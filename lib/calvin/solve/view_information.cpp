@@ -80,7 +80,7 @@ std::optional<Matrix> without_pose(const double* products, std::size_t stride, i
 }
 
 // R with R^T R = m for a symmetric m without negative eigenvalues, but for rounding.
-Result<Matrix> root_of(const Matrix& m) {
+Result<Matrix> factor_of(const Matrix& m) {
   const auto eigen = symmetric_eigen(m);
   if (!eigen) return make_error(ErrorCode::kInvalidArgument, "The camera projects to no numbers.");
   return Matrix(eigen->values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen->vectors.transpose());
@@ -105,7 +105,7 @@ Result<ViewScorer> ViewScorer::make(const Camera& camera, const SolveOptions& op
   const ProjectionGrid grid = projection_grid(camera, columns_of(unknowns));
   for (const auto& cell : grid) weight += cell.transpose().lazyProduct(cell);
   weight /= 2.0 * static_cast<double>(std::max<std::size_t>(grid.size(), 1));
-  auto root = root_of(restrict_to(scorer.basis_, weight));
+  auto root = factor_of(restrict_to(scorer.basis_, weight));
   if (!root) return tl::unexpected<Error>(root.error());
   scorer.weight_root_ = *std::move(root);
   return scorer;

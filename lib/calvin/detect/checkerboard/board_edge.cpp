@@ -26,12 +26,12 @@ constexpr float kMargin =
     0.45F;  // share of the way from a square's end to the profile's: margin from there
 constexpr float kEdgeFrom = 0.8F;  // squares beyond the line, between which the last row may end
 constexpr float kEdgeTo = 1.25F;
-constexpr float kMostRagged = 0.15F;   // squares, between the nearest end and the farthest
-constexpr float kDiffers = 0.65F;      // of the contrast: more is another colour
-constexpr float kSame = 0.3F;          // of the contrast: less is the same colour
-constexpr float kLeastSeen = 0.5F;     // of the line's squares; a finger hides behind fewer
-constexpr std::size_t kLeastEnds = 2;  // squares that differ from the margin
-constexpr float kLeastShare = 0.8F;    // of the squares in view that are as they should
+constexpr float kMostRagged = 0.15F;    // squares, between the nearest end and the farthest
+constexpr float kDiffers = 0.65F;       // of the contrast: more is another colour
+constexpr float kSame = 0.3F;           // of the contrast: less is the same colour
+constexpr float kLeastSeen = 0.5F;      // of the line's squares; a finger hides behind fewer
+constexpr std::size_t kLeastEnds = 2;   // squares that differ from the margin
+constexpr float kLeastAgreeing = 0.8F;  // of the squares in view that are as they should
 
 struct Point {
   float x = 0;
@@ -135,7 +135,7 @@ Edge edge_within(const ImageView& image, const Lattice& lattice, Cell first, Cel
     const Squares& squares = colours[k];
     const std::size_t others = colours[1 - k].continuing;
     if (squares.ending >= kLeastEnds && others >= 1 && squares.to - squares.from < kMostRagged &&
-        static_cast<float>(squares.ending + others) >= kLeastShare * static_cast<float>(seen)) {
+        static_cast<float>(squares.ending + others) >= kLeastAgreeing * static_cast<float>(seen)) {
       return squares.brightness > 0 ? Edge::kDarkMargin : Edge::kBrightMargin;
     }
   }
@@ -290,7 +290,8 @@ Edge ends_by(const ImageView& image, const Lattice& lattice, Cell first, Cell st
     if (end.squares == 0 || (edge != Edge::kNotSeen && end.at >= nearest)) continue;
     const auto beyond = static_cast<std::size_t>(std::ranges::count_if(
         others, [&](const OuterSquare& s) { return goes_on(image, s, end.at, end.change); }));
-    if (static_cast<float>(end.squares + beyond) < kLeastShare * static_cast<float>(seen)) continue;
+    if (static_cast<float>(end.squares + beyond) < kLeastAgreeing * static_cast<float>(seen))
+      continue;
     edge = others.front().own > others.front().other ? Edge::kBrightMargin : Edge::kDarkMargin;
     nearest = end.at;
   }
@@ -320,7 +321,7 @@ Edge find_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell 
 
 bool continues_beyond(const ImageView& image, const Lattice& lattice, Cell first, Cell step,
                       int count, Cell outwards) {
-  constexpr float kBeyond = 1.35F;   // squares: margin, or half into the second one
+  constexpr float kOuter = 1.35F;    // squares: margin, or half into the second one
   constexpr float kAside = 0.25F;    // squares
   constexpr float kContrast = 0.3F;  // of the corner's
   constexpr int kFewest = 3;
@@ -347,7 +348,7 @@ bool continues_beyond(const ImageView& image, const Lattice& lattice, Cell first
       return *a - *b;
     };
     const auto inner = across(0.5F);
-    const auto outer = across(kBeyond);
+    const auto outer = across(kOuter);
     if (!inner || !outer) continue;
     ++seen;
     const bool turns = (*inner > 0) != (*outer > 0);

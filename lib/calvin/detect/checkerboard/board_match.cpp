@@ -21,7 +21,7 @@ namespace {
 
 // The least part of a board that is reported, so that nothing else is taken for one.
 constexpr int kLeastNodes = 9;
-constexpr double kLeastShare = 0.2;  // of the control points
+constexpr double kLeastPart = 0.2;  // of the control points
 // Of the control points, where all rows and columns are in view but no edge of the board.
 constexpr double kEdgelessShare = 0.5;
 
@@ -33,14 +33,14 @@ bool fits(const CellRange& e, const Checkerboard& board) {
 }
 
 // The cells of one side of an extent: the outermost line of nodes.
-struct Line {
+struct OuterLine {
   Cell first;
   Cell step;
   int count = 0;
 };
 
 // Side 0: the last column, 1: the last row, 2: the first column, 3: the first row; as kAround.
-Line line_of(const CellRange& e, int side) {
+OuterLine line_of(const CellRange& e, int side) {
   const bool is_column = side % 2 == 0;
   const Cell first = side == 0   ? Cell{e.last.col, e.first.row}
                      : side == 1 ? Cell{e.first.col, e.last.row}
@@ -48,7 +48,7 @@ Line line_of(const CellRange& e, int side) {
   return {first, is_column ? Cell{0, 1} : Cell{1, 0}, is_column ? e.rows() : e.cols()};
 }
 
-int nodes_on(const Lattice& lattice, const Line& line) {
+int nodes_on(const Lattice& lattice, const OuterLine& line) {
   int count = 0;
   for (int i = 0; i < line.count; ++i) count += lattice.has(line.first + i * line.step) ? 1 : 0;
   return count;
@@ -63,7 +63,7 @@ bool trim(const Checkerboard& board, Lattice& lattice) {
     for (int side = 0; side < 4; ++side) {
       // An axis that is not too long keeps its lines.
       if (length(e, side % 2) <= std::min(board.cols, board.rows)) continue;
-      const Line line = line_of(e, side);
+      const OuterLine line = line_of(e, side);
       const double share = nodes_on(lattice, line) / static_cast<double>(line.count);
       if (share < least) {
         least = share;
@@ -71,7 +71,7 @@ bool trim(const Checkerboard& board, Lattice& lattice) {
       }
     }
     if (least > 0.5) return false;
-    const Line line = line_of(e, weakest);
+    const OuterLine line = line_of(e, weakest);
     for (int i = 0; i < line.count; ++i) {
       const Cell cell = line.first + i * line.step;
       if (lattice.in_reach(cell)) lattice.remove(cell);
@@ -103,7 +103,7 @@ Edges sides_of_one_colour(const std::array<Edge, 4>& margins) {
 Edges edges_of(const ImageView& image, const Lattice& lattice, const CellRange& e) {
   std::array<Edge, 4> margins{};
   for (int side = 0; side < 4; ++side) {
-    const Line line = line_of(e, side);
+    const OuterLine line = line_of(e, side);
     margins[static_cast<std::size_t>(side)] = find_edge(
         image, lattice, line.first, line.step, line.count, kAround[static_cast<std::size_t>(side)]);
   }
@@ -117,7 +117,7 @@ Edges ends_of(const ImageView& image, const Lattice& lattice, const CellRange& e
               const Edges& edges) {
   std::array<Edge, 4> margins{};
   for (std::size_t side = 0; side < 4; ++side) {
-    const Line line = line_of(e, static_cast<int>(side));
+    const OuterLine line = line_of(e, static_cast<int>(side));
     margins[side] = pattern_ends(image, lattice, line.first, line.step, line.count, kAround[side]);
     if (margins[side] == Edge::kNotSeen && edges.seen[side]) margins[side] = edges.margin;
   }
@@ -127,7 +127,7 @@ Edges ends_of(const ImageView& image, const Lattice& lattice, const CellRange& e
 // Whether a board of this size would be a part of something larger.
 bool continues_anywhere(const ImageView& image, const Lattice& lattice, const CellRange& e) {
   for (int side = 0; side < 4; ++side) {
-    const Line line = line_of(e, side);
+    const OuterLine line = line_of(e, side);
     if (continues_beyond(image, lattice, line.first, line.step, line.count,
                          kAround[static_cast<std::size_t>(side)])) {
       return true;
@@ -232,8 +232,7 @@ bool is_enough(const Lattice& lattice, const Checkerboard& board, const CellRang
   const int count = lattice.count();
   const int all = board.grid().count();
   if (count == all) return true;
-  if (count < kLeastNodes || count < kLeastShare * all || e.cols() < 3 || e.rows() < 3)
-    return false;
+  if (count < kLeastNodes || count < kLeastPart * all || e.cols() < 3 || e.rows() < 3) return false;
   const int seen = edges.count();
   return (has_size_of(e, board) && count > kEdgelessShare * all) || seen >= 1;
 }
@@ -255,7 +254,7 @@ std::vector<Relabelling> other_labellings(const Checkerboard& board,
 CellRange dense_extent(const Lattice& lattice) {
   CellRange e = lattice.extent();
   for (int side = 0; side < 4;) {
-    const Line line = line_of(e, side);
+    const OuterLine line = line_of(e, side);
     if (line.count <= 0 || length(e, side % 2) <= 0 || 2 * nodes_on(lattice, line) > line.count) {
       ++side;
       continue;

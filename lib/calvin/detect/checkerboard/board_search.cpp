@@ -21,8 +21,8 @@ constexpr float kAsymmetry = 0.55F;      // of check_ring(), for any corner
 constexpr float kAsymmetryInGap = 0.8F;  // of check_ring(), for a corner that is expected
 constexpr int kWeakResponse = 3;         // grey levels, for a corner that is expected
 constexpr float kLeastSpacing = 4.5F;    // px
-constexpr float kPrune = 0.45F;          // of the spacing, from where a node is expected
-constexpr int kFewestNodes = 6;          // to build on
+constexpr float kFarOff = 0.45F;         // of the spacing, from where a node is expected
+constexpr int kFewestToBuildOn = 6;      // nodes
 
 bool has_markers(const Surroundings& surroundings) { return surroundings.aside < 1; }
 
@@ -142,7 +142,7 @@ Cell step_of(const Corner& corner, const Node& node, int way, bool even) {
 bool is_expected(const Lattice& lattice, Cell cell, const Corner& corner) {
   const auto expected = lattice.expect(cell);
   return !expected || std::hypot(corner.x - expected->x, corner.y - expected->y) <=
-                          kPrune * std::max(expected->spacing, kLeastSpacing);
+                          kFarOff * std::max(expected->spacing, kLeastSpacing);
 }
 
 // Whether a corner's edges run as those of the lattice next to it.
@@ -171,9 +171,9 @@ SaddlePoint strongest(const ImageView& image, const Expected& expected, RingSize
 }
 
 bool near_border(const ImageView& image, const Expected& at) {
-  constexpr float kMargin = kResponseRadius + 3;
-  return at.x < kMargin || at.y < kMargin || at.x > static_cast<float>(image.width - 1) - kMargin ||
-         at.y > static_cast<float>(image.height - 1) - kMargin;
+  constexpr float kBorder = kResponseRadius + 3;
+  return at.x < kBorder || at.y < kBorder || at.x > static_cast<float>(image.width - 1) - kBorder ||
+         at.y > static_cast<float>(image.height - 1) - kBorder;
 }
 
 bool inside(const ImageView& image, const Expected& at) {
@@ -235,7 +235,7 @@ bool guess_between(const ImageView& image, const Lattice& lattice, Cell cell, No
 // Whether a node stands where another does: a lattice that was bent wrongly comes round to itself.
 bool is_doubled(const Lattice& lattice, Cell cell, const Node& node) {
   const auto expected = lattice.expect(cell);
-  const float reach = kPrune * (expected ? expected->spacing : kLeastSpacing);
+  const float reach = kFarOff * (expected ? expected->spacing : kLeastSpacing);
   bool found = false;
   lattice.for_each([&](Cell, const Node& other) {
     found = found || std::hypot(other.x - node.x, other.y - node.y) < reach;
@@ -373,7 +373,7 @@ void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough,
     }
     if (!added) break;
   }
-  lattice.prune(kPrune);
+  lattice.prune(kFarOff);
 }
 
 bool BoardSearch::next(Lattice& lattice) {
@@ -381,8 +381,8 @@ bool BoardSearch::next(Lattice& lattice) {
     fill(groups_[next_group_++], lattice);
     // What markers hide at the ends of rows would be pruned before it is looked for.
     if (has_markers(options_.surroundings)) complete(image_, lattice, options_.most_points, false);
-    lattice.prune(kPrune);
-    if (lattice.count() >= std::min(options_.least_nodes, kFewestNodes)) return true;
+    lattice.prune(kFarOff);
+    if (lattice.count() >= std::min(options_.least_nodes, kFewestToBuildOn)) return true;
   }
   return false;
 }

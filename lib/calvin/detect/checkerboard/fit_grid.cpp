@@ -126,10 +126,10 @@ double error_per_bend(const SaddleFit& fit, float width_along) {
   // Widths of the crossing edge within which the edge is not seen: the integral of 1 - e(x)^2 over
   // x > 0, which is 2 / sqrt(pi).
   constexpr double kDark = 1.13;
-  constexpr double kLeastSeen = 2;  // widths
+  constexpr double kLeastReach = 2;  // widths
   const auto radius = static_cast<double>(fit.radius);
   const auto width = static_cast<double>(width_along);
-  const double seen = std::max(radius - kDark * width, kLeastSeen * width);
+  const double seen = std::max(radius - kDark * width, kLeastReach * width);
   return radius * radius * radius / (6 * seen) + 0.5 * width * width;
 }
 

@@ -65,7 +65,7 @@ bool may_be_corner(const ImageView& image, const Node& node, bool even, float aw
 
 // Whether the ring around a fit that is too noisy for a corner says that it is one all the same.
 bool has_ring(const ImageView& image, const SaddleFit& fit, float spacing) {
-  constexpr float kAsymmetry = 0.8F;
+  constexpr float kMostAsymmetry = 0.8F;
   constexpr float kSmall = 9;  // px, of squares in which the larger ring meets the next edges
   const int x = static_cast<int>(std::lround(fit.x));
   const int y = static_cast<int>(std::lround(fit.y));
@@ -73,7 +73,7 @@ bool has_ring(const ImageView& image, const SaddleFit& fit, float spacing) {
                         y < image.height - kRingReach;
   Corner corner;
   const RingSize size = spacing < kSmall ? RingSize::kSmall : RingSize::kLarge;
-  return !has_room || check_ring(image, x, y, size, kAsymmetry, corner);
+  return !has_room || check_ring(image, x, y, size, kMostAsymmetry, corner);
 }
 
 // Whether there is a corner where a node was guessed, by a fit that knows its edges.

@@ -12,7 +12,7 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr float kLeastSpacing =
+constexpr float kShortestSpacing =
     3;  // px; smaller ones count as this, for places are rounded to pixels
 
 float distance(const Node& a, const Node& b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -171,7 +171,7 @@ float Lattice::misfit(Cell c) const {
   if (!expected) return 0;
   const Node& node = at(c);
   return std::hypot(node.x - expected->x, node.y - expected->y) /
-         std::max(expected->spacing, kLeastSpacing);
+         std::max(expected->spacing, kShortestSpacing);
 }
 
 void Lattice::prune(float share) {

@@ -18,9 +18,9 @@ namespace {
 
 constexpr float kFirstRadius = 8;  // px, of the first fit
 constexpr float kPrune = 0.3F;     // of the spacing
-constexpr int kFewestNodes = 4;
-constexpr float kLevelRadius = 5;        // px, in a smaller level
-constexpr float kLeastContrast = 0.25F;  // of the median
+constexpr int kFewestToRefine = 4;
+constexpr float kLevelRadius = 5;          // px, in a smaller level
+constexpr float kLeastSwingShare = 0.25F;  // of the median
 // A corner that a hand or a shadow covers in part is not symmetric, which shows as noise.
 constexpr float kNoisiest = 3;       // of the median
 constexpr float kNoisy = 1.5F;       // of the median: something else is in the window
@@ -33,7 +33,7 @@ constexpr float kMostResidual = 0.9F;        // of the contrast
 // Where the place is expected, noise has no places to choose from, and 30 pixels tell a contrast to
 // a fifth of their noise.
 constexpr float kMostResidualInNoise = 1.25F;  // of the contrast
-constexpr float kLargestWidth = 8;             // px, of an edge
+constexpr float kWidestEdge = 8;               // px, of an edge
 constexpr float kLargestMove = 0.35F;          // of the spacing, between levels
 constexpr float kLargestError = 0.2F;          // of the spacing, from where neighbours predict it
 // How well others tell the place of a corner that was lost in noise, at best.
@@ -87,7 +87,7 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     const float own = (1 - 1 / (scale * scale)) / 12;
     const float width = std::max(f.along_width, f.down_width);
     node.width = scale * std::sqrt(std::max(width * width - own, 0.5F / (scale * scale)));
-    node.width = std::min(node.width, kLargestWidth);
+    node.width = std::min(node.width, kWidestEdge);
   });
 }
 
@@ -95,7 +95,7 @@ float Refinement::most_noise() const { return std::max(kNoisiest * usual_noise_,
 
 void Refinement::drop_misfits(Lattice& lattice) {
   const float least =
-      kLeastContrast * fits_.median(lattice, [](const SaddleFit& f) { return f.swing(); });
+      kLeastSwingShare * fits_.median(lattice, [](const SaddleFit& f) { return f.swing(); });
   usual_noise_ = fits_.median(lattice, [](const SaddleFit& f) { return f.noise / f.swing(); });
   const float most = most_noise();
   lattice.for_each([&](Cell c, const Node& /*node*/) {
@@ -260,7 +260,7 @@ void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
     const float sigma = std::max(surface.sigma, kExpectedPlace * expected->spacing);
     const SaddleFit f = lost_fit(image, lattice, c, at(c + *step), sigma);
     const float contrast = f.swing();
-    if (!is_noisy(f, most_noise()) && contrast >= kLeastContrast * node.contrast / 2 &&
+    if (!is_noisy(f, most_noise()) && contrast >= kLeastSwingShare * node.contrast / 2 &&
         f.residual <= most_residual * contrast &&
         distance(f, node) < kLargestError * expected->spacing) {
       fit(c) = f;
@@ -345,7 +345,7 @@ void Refinement::refine_in_noise(const ImageView& image, Lattice& lattice) {
   usual_down_ = fits_.median_where(lattice, good, [&](Cell c) { return at(c).down_width; });
   refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
   lattice.prune(kPrune);
-  if (lattice.count() < kFewestNodes) return;
+  if (lattice.count() < kFewestToRefine) return;
   set_bends(lattice, fits_);
   set_slopes(lattice, fits_);
   refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
@@ -362,12 +362,12 @@ bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   } else {
     refit(lattice, [&](Cell c) { return at(c); });
     lattice.prune(kPrune);
-    if (lattice.count() < kFewestNodes) return false;
+    if (lattice.count() < kFewestToRefine) return false;
     set_bends(lattice, fits_);
     set_slopes(lattice, fits_);
     refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
   }
-  if (lattice.count() < kFewestNodes) return false;
+  if (lattice.count() < kFewestToRefine) return false;
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice, slack(lattice));
   if (lattice.count() < before) recover_lost(image, lattice);

@@ -14,10 +14,11 @@ namespace {
 
 constexpr std::size_t kFewest = 3;  // nodes of a difference
 constexpr std::size_t kMost = 5;
-constexpr int kLongest = 8;       // steps over missing nodes
-constexpr float kSigmas = 2;      // of the noise, which is in the median as well
-constexpr float kSlack = 0.01F;   // px, what a fit may be off by at least beside its noise
-constexpr float kNoisy = 0.006F;  // of the spacing: of such slack five corners in a line make eight
+constexpr int kLongest = 8;      // steps over missing nodes
+constexpr float kSigmas = 2;     // of the noise, which is in the median as well
+constexpr float kSlack = 0.01F;  // px, what a fit may be off by at least beside its noise
+// Of the spacing: of such slack five corners in a line make eight.
+constexpr float kLargeSlack = 0.006F;
 constexpr float kUnusual = 5;     // times the median
 constexpr int kFewForMedian = 6;  // differences of an order
 constexpr float kHigh = 2.5F;     // times the median, where that is high itself; up to
@@ -33,9 +34,9 @@ constexpr float kPresumed[] = {0, 0, 0.25F, 0.08F, 0.03F};
 constexpr float kLike = 0.35F;  // of a difference: neighbours that differ by less are alike
 constexpr int kLinesAside = 2;
 constexpr int kFewestAlike = 2;
-// A node is something else if its sigma is above kUncertain medians and kUncertainLeast, and its
-// place is off by kUncertainError.
-constexpr float kUncertain = 6;
+// A node is something else if its sigma is above kUncertainTimes medians and kUncertainLeast, and
+// its place is off by kUncertainError.
+constexpr float kUncertainTimes = 6;
 constexpr float kUncertainLeast = 0.06F;  // px
 constexpr float kUncertainError = 0.5F;   // px
 constexpr float kLeastPrecise = 0.35F;    // of the spacing, to which a place must be confirmed
@@ -185,7 +186,7 @@ void StrayCorners::collect_verdicts(const CellRange& extent) {
 
 void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
   slack_ = std::max(slack.place, kSlack);
-  few_nodes_ = slack.of_spacing > kNoisy;
+  few_nodes_ = slack.of_spacing > kLargeSlack;
   sorted_.clear();
   lattice.for_each([&](Cell /*c*/, const Node& node) { sorted_.push_back(node.sigma); });
   if (sorted_.empty()) return;
@@ -210,7 +211,7 @@ void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
       }
       // By how much the squares of the differences sink if this node alone is to blame.
       const bool accused =
-          v.accused || (node.sigma > std::max(kUncertain * usual_sigma_, kUncertainLeast) &&
+          v.accused || (node.sigma > std::max(kUncertainTimes * usual_sigma_, kUncertainLeast) &&
                         v.error() > kUncertainError);
       const float explained = accused ? (v.x * v.x + v.y * v.y) / v.weight : -1;
       if (explained <= most) return;

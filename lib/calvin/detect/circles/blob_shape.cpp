@@ -67,11 +67,11 @@ const std::array<std::array<Tap, kRays>, kReach> kTaps = [] {
 }();
 
 // The grey levels of the disc and of what is around it.
-struct Levels {
+struct DiscLevels {
   float inside = 0;
   float outside = 0;
 };
-Levels levels_of(const Profiles& profiles) {
+DiscLevels levels_of(const Profiles& profiles) {
   std::array<float, kRays> brightest = profiles.grey[0];
   for (std::size_t i = 1; i <= kReach; ++i) {
     for (std::size_t k = 0; k < kRays; ++k) {
@@ -201,7 +201,7 @@ std::optional<Ellipse> BlobShapes::measure(int x, int y, float contrast) const {
   take_rays(centre, 0, profiles);
   if (!may_have_rim(profiles)) return std::nullopt;
   take_rays(centre, 1, profiles);
-  const Levels levels = levels_of(profiles);
+  const DiscLevels levels = levels_of(profiles);
   if (levels.outside - levels.inside < contrast) return std::nullopt;
   std::array<double, kRays> rim{};
   for (std::size_t k = 0; k < kRays; ++k) {

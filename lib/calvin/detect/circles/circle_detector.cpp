@@ -21,29 +21,19 @@
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/search_again.hpp"
 #include "calvin/detect/sheet_list.hpp"
+#include "calvin/geometry/pixels.hpp"
 
 namespace calvin::detect {
 
 namespace {
 
-constexpr int kFewestDiscs = 9;      // of a lattice
-constexpr double kLeastShare = 0.7;  // of a board without marks that has to be seen
+constexpr int kFewestDiscs = 9;        // of a lattice
+constexpr double kLeastVisible = 0.7;  // of a board without marks that has to be seen
 // px, of a level; in a smaller one discs of a board of the whole image are too small.
 constexpr ImageSize kLeastLevel = {48, 32};
 constexpr std::size_t kMostPoints = 1500;  // of a level, that may be discs
 constexpr double kSame = 4;                // px, between the places of a disc in two levels
 constexpr int kFewestWithMarks = 12;       // discs of a board with marks
-
-Pixel mean_of(const std::vector<Pixel>& points) {
-  Pixel mean;
-  for (const Pixel& p : points) {
-    mean.u += p.u / static_cast<double>(points.size());
-    mean.v += p.v / static_cast<double>(points.size());
-  }
-  return mean;
-}
-
-double distance(const Pixel& a, const Pixel& b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
 // A sheet that was found.
 struct FoundSheet {
@@ -143,7 +133,7 @@ CircleDetector::CircleDetector(std::span<const Board> boards) {
       marks_.large = marks_.large || disc.mark == DiscMark::kLarge;
     }
     const auto discs = static_cast<int>(patterns_.back().discs().size());
-    fewest_ = std::min(fewest_, static_cast<int>(kLeastShare * discs));
+    fewest_ = std::min(fewest_, static_cast<int>(kLeastVisible * discs));
   }
   list_ = SheetList(of_list_);
 }
@@ -225,8 +215,8 @@ bool CircleDetector::name(DiscSheet& sheet, std::size_t pattern) {
     marks.resize(sheet.lattice().cells().size());
   }
   const double least =
-      p.has_marks() ? kFewestWithMarks / static_cast<double>(p.discs().size()) : kLeastShare;
-  const auto maps = place_on(p, sheet.lattice(), marks, std::min(least, kLeastShare));
+      p.has_marks() ? kFewestWithMarks / static_cast<double>(p.discs().size()) : kLeastVisible;
+  const auto maps = place_on(p, sheet.lattice(), marks, std::min(least, kLeastVisible));
   if (maps.empty()) return false;
   // Of the ways that are as good as each other the one with control point 0 at the top left.
   const CellMap map = std::ranges::min(maps, {}, [&](const CellMap& m) {

@@ -21,11 +21,11 @@ constexpr double kLeastWidth = 0.2;     // px
 constexpr double kDamping = 1e-3;       // Levenberg's, of the diagonal
 constexpr double kWidthPrior = 0.5;     // 1 sigma of a step of the width's logarithm
 constexpr double kLongestStep = 0.4;    // of the radius
-constexpr double kFarthest = 0.6;       // of the radius, from where the fit began
+constexpr double kMostDrift = 0.6;      // of the radius, from where the fit began
 constexpr double kConverged = 0.01;     // px, of a step of the centre
 constexpr double kShape = 0.05;         // px, of the rim, or of the width's logarithm
 constexpr double kRounding = 1.0 / 12;  // grey levels^2, the variance of a whole number's rounding
-constexpr double kLeastContrast = 4;    // grey levels
+constexpr double kFaintest = 4;         // grey levels
 
 // px, along the border of an image, where what cameras do to their pictures goes wrong.
 constexpr int kBorder = 2;
@@ -197,7 +197,7 @@ bool DiscSteps::apply() {
   e.outside += static_cast<float>(step[kDiscOutside]);
   fit_.width = std::clamp(fit_.width * std::exp(std::clamp(step[kDiscWidth], -0.7, 0.7)),
                           kLeastWidth, std::max(e.radius(), 2 * kLeastWidth));
-  return std::hypot(x_, y_) < kFarthest * radius + 1;
+  return std::hypot(x_, y_) < kMostDrift * radius + 1;
 }
 
 void DiscSteps::finish() {
@@ -267,7 +267,7 @@ bool fit_disc(const ImageView& image, int steps, DiscFit& fit) noexcept {
     const Outcome outcome = fit_in_window(image, steps, fit);
     if (outcome == Outcome::kFailed) return false;
     if (outcome == Outcome::kMoved) continue;
-    return std::abs(static_cast<double>(e.outside - e.inside)) >= kLeastContrast &&
+    return std::abs(static_cast<double>(e.outside - e.inside)) >= kFaintest &&
            std::isfinite(fit.sigma);
   }
   return false;

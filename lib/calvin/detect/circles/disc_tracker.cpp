@@ -11,7 +11,7 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr double kLongest = 3e8;  // ns, between frames
+constexpr double kLongestGap = 3e8;  // ns, between frames
 
 // From one time to a later one, ns; 1 where frames have no time.
 double between(std::uint64_t from, std::uint64_t to) {
@@ -33,7 +33,7 @@ void DiscTracker::remember(const DiscLattice& discs, ImageSize size, std::uint64
 std::optional<DiscLattice> DiscTracker::predict(ImageSize size, std::uint64_t timestamp) const {
   if (size != size_ || last_.count() == 0) return std::nullopt;
   const double ahead = between(last_time_, timestamp);
-  if (ahead > kLongest) return std::nullopt;
+  if (ahead > kLongestGap) return std::nullopt;
   const double share = ahead / between(before_time_, last_time_);
   DiscLattice discs = last_;
   for (const Cell c : last_.cells()) {

@@ -65,8 +65,8 @@ bool are_even(const DiscLattice& lattice) {
 
 Observation find_dot_grid(Pyramid& pyramid, const CirclePattern& pattern,
                           const std::stop_token& stop) {
-  constexpr std::size_t kMostPoints = 40000;  // of a level
-  DiscSearch search(kMostPoints);
+  constexpr std::size_t kMostDots = 40000;  // of a level
+  DiscSearch search(kMostDots);
   std::vector<Ellipse> discs;
   for (int level = pyramid.levels() - 1; level >= 0 && !stop.stop_requested(); --level) {
     search.add(pyramid, level, pattern.is_light(), discs);

@@ -35,8 +35,8 @@ class GridDetector final : public Detector {
   std::vector<Detection> detect_all(const ImageView& image,
                                     std::stop_token stop) noexcept override {
     try {
-      constexpr ImageSize kLeastLevel = {48, 32};
-      pyramid_.build(image, Pyramid::kMaxLevels, kLeastLevel);
+      constexpr ImageSize kSmallestLevel = {48, 32};
+      pyramid_.build(image, Pyramid::kMaxLevels, kSmallestLevel);
       std::vector<Detection> all;
       for (std::size_t i = 0; i < wanted_.size(); ++i) {
         all.push_back(is_first(i) ? detect(i, stop) : Detection{});

@@ -95,12 +95,12 @@ Polynomial cells_by_place(const Part& part) {
 // How the cells of one part are those of a larger one, by what the points of that nearest to it let
 // expect. Absent where they are not.
 std::optional<CellMap> joined(const Part& larger, const Part& smaller) {
-  constexpr double kOff = 0.25;         // RMS
-  constexpr std::size_t kAround = 100;  // points that the others are expected by
+  constexpr double kOff = 0.25;             // RMS
+  constexpr std::size_t kNeighbours = 100;  // points that the others are expected by
   constexpr std::size_t kTested = 9;
   const Point first = nearest_to(larger, smaller);
   const Part part = nearest_of(smaller, first, kTested);
-  const Polynomial expected = cells_by_place(nearest_of(larger, first, kAround));
+  const Polynomial expected = cells_by_place(nearest_of(larger, first, kNeighbours));
   const auto count = static_cast<double>(part.size());
   for (int turns = 0; turns < 4; ++turns) {
     CellMap map{turns, {}};

@@ -193,7 +193,7 @@ void fill_holes(GrayImage& mask) {
   for (std::uint8_t& pixel : mask.pixels) pixel = pixel == 2 ? 0 : 1;
 }
 
-struct Part {
+struct Component {
   double area = 0;
   double u = 0;  // sums
   double v = 0;
@@ -221,13 +221,13 @@ double median(std::vector<double> values) {
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
-std::vector<Part> parts_of(GrayImage mask) {
+std::vector<Component> components_of(GrayImage mask) {
   const Middle middle(mask.size());
-  std::vector<Part> parts;
+  std::vector<Component> parts;
   for (int y = 0; y < mask.height; ++y) {
     for (int x = 0; x < mask.width; ++x) {
       if (mask.row(y)[x] == 0) continue;
-      Part part;
+      Component part;
       flood(mask, x, y, Neighbours::kFour, 0, [&](int u, int v) {
         part.area += 1;
         part.u += u;
@@ -254,9 +254,9 @@ std::vector<ThresholdedDot> thresholded_dots(const ImageView& image) {
   clear_border(mask);
   mask = opened(mask);
   fill_holes(mask);
-  const std::vector<Part> parts = parts_of(std::move(mask));
+  const std::vector<Component> parts = components_of(std::move(mask));
   std::vector<double> areas;
-  for (const Part& part : parts) {
+  for (const Component& part : parts) {
     if (part.is_inside) areas.push_back(part.area);
   }
   if (areas.empty()) return {};
@@ -264,7 +264,7 @@ std::vector<ThresholdedDot> thresholded_dots(const ImageView& image) {
   const double least = std::floor((1 - kTolerance) * area);
   const double most = std::floor((1 + kTolerance) * area);
   std::vector<ThresholdedDot> dots;
-  for (const Part& part : parts) {
+  for (const Component& part : parts) {
     if (!(part.area > least && part.area < most) || part.is_thin) continue;
     if (part.stretch() < 1 + kTolerance) dots.push_back({part.center(), part.area});
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calvin/detect/light/wand_shape.hpp"
+#include "calvin/geometry/pixels.hpp"
 
 namespace calvin::detect {
 
@@ -25,8 +26,6 @@ constexpr double kLeastReach = 10;    // px that the light may be off its expect
 constexpr double kReachOfStep = 1.5;  // the same, in steps of the last two frames
 constexpr double kStill = 1.5;        // px, of what stands
 constexpr int kStands = 15;           // frames
-
-double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
 }  // namespace
 

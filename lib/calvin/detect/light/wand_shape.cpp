@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "calvin/geometry/pixels.hpp"
+
 namespace calvin::detect {
 
 namespace {
@@ -29,8 +31,6 @@ constexpr double kSure = 0.9;
 constexpr double kBeside = 2;
 constexpr double kBent = 0.03;
 constexpr double kAlike = 10;  // times, that one light may be brighter than another of the wand
-
-double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
 // The logarithm of the odds of a share of a way.
 double log_odds(double before, double after) { return std::log(before / after); }

@@ -53,7 +53,7 @@ bool is_corner(const SaddleFit& fit) {
 std::optional<SaddleFit> best_fit(const ImageView& image, const SaddleFit& start) {
   constexpr float kGrowth = 1.35F;
   constexpr float kWorse = 1.3F;     // of the residual in the smallest window, and a grey level
-  constexpr float kRounding = 1;     // grey levels
+  constexpr float kGreyLevel = 1;    // grey levels
   constexpr float kMostMove = 0.6F;  // of the radius, from where the search began
   std::optional<SaddleFit> best;
   float least = 0;
@@ -65,7 +65,7 @@ std::optional<SaddleFit> best_fit(const ImageView& image, const SaddleFit& start
       if (best) break;
       continue;
     }
-    if (best && fit.residual > kWorse * least + kRounding) break;
+    if (best && fit.residual > kWorse * least + kGreyLevel) break;
     if (!best) least = fit.residual;
     best = fit;
   }

@@ -17,7 +17,7 @@ namespace calvin {
 
 namespace {
 
-constexpr double kMostReach = 500;  // px
+constexpr double kFarthestReach = 500;  // px
 // px beyond the reach: as the detector's fits look, and for discs that are larger than that.
 constexpr int kAround = 50;
 constexpr int kAroundLarge = 150;
@@ -26,7 +26,7 @@ constexpr int kAroundLarge = 150;
 
 std::optional<FoundPoint> nearest_point(const ImageView& image, Pixel near, double reach) noexcept {
   try {
-    reach = std::min(reach, kMostReach);
+    reach = std::min(reach, kFarthestReach);
     const ImagePart part = part_within_reach(image, near, reach, kAround);
     const auto corner = nearest_corner(part, near, reach);
     const auto disc = nearest_disc(part, near, reach);

@@ -18,11 +18,11 @@ namespace calvin::detect {
 
 namespace {
 
-using Vector = Eigen::Matrix<double, kSideUnknowns, 1>;
-using Matrix = Eigen::Matrix<double, kSideUnknowns, kSideUnknowns>;
+using SideVector = Eigen::Matrix<double, kSideUnknowns, 1>;
+using SideMatrix = Eigen::Matrix<double, kSideUnknowns, kSideUnknowns>;
 
 constexpr double kLeastWidth = 0.3;               // px, about what a pixel itself has
-constexpr double kLeastContrast = 8;              // grey levels
+constexpr double kFaintestSide = 8;               // grey levels
 constexpr double kRounding = 1.0 / 12;            // grey levels^2
 constexpr std::size_t kSegments = kSideSegments;  // of which something may cover some
 constexpr int kFewestSegments = 4;
@@ -48,7 +48,7 @@ class SideSteps {
   [[nodiscard]] bool drop_covered();
   void weigh();
   void accumulate(SideSums sums);
-  [[nodiscard]] Matrix information() const;
+  [[nodiscard]] SideMatrix information() const;
   [[nodiscard]] SideModel model() const;
 
   [[nodiscard]] bool shows(std::size_t segment) const {
@@ -88,10 +88,10 @@ class SideSteps {
   SidePixels& pixels_;
   std::array<bool, kSegments> used_{};  // not covered
   std::array<int, kSegments> pixels_in_{};
-  Matrix products_;  // of pixels alone
-  Vector gradient_;
-  Vector change_;
-  Eigen::LLT<Matrix> factor_;
+  SideMatrix products_;  // of pixels alone
+  SideVector gradient_;
+  SideVector change_;
+  Eigen::LLT<SideMatrix> factor_;
   bool is_near_ = false;  // the next step takes the factor of one before
   double square_ = 0;
   int count_ = 0;
@@ -190,9 +190,9 @@ void SideSteps::accumulate(SideSums sums) {
 }
 
 // Of all that is known: the width and the bend are hardly told by a short side.
-Matrix SideSteps::information() const {
+SideMatrix SideSteps::information() const {
   constexpr double kWidthPrior = 0.5;  // of the logarithm, 1 sigma
-  Matrix all = products_;
+  SideMatrix all = products_;
   all(kSideWidth, kSideWidth) += variance() / (kWidthPrior * kWidthPrior);
   all(kSideBend, kSideBend) += bend_weight();
   return all;
@@ -204,7 +204,7 @@ bool SideSteps::step() {
   accumulate(is_near_ ? SideSums::kGradient : SideSums::kAll);
   if (count_ < 2 * kSideUnknowns) return false;
   if (!is_near_) {
-    Matrix damped = information();
+    SideMatrix damped = information();
     damped.diagonal() *= 1 + 1e-6;
     factor_.compute(damped);
     if (factor_.info() != Eigen::Success) return false;
@@ -298,7 +298,7 @@ bool SideSteps::run() {
     if (!gather() || !fit_seen()) return false;
   }
   const double contrast = (out_ - in_) * (guess_.inverted ? -1 : 1);
-  return contrast >= kLeastContrast && count_ > 2 * kSideUnknowns;
+  return contrast >= kFaintestSide && count_ > 2 * kSideUnknowns;
 }
 
 SideFit SideSteps::result() const {

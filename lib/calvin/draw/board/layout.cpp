@@ -22,7 +22,6 @@ namespace {
 
 constexpr double kNarrowestPage = 0.08;  // m, so that the caption has room
 constexpr double kLargestPage = 5;       // m, the PDF format's own limit is 200 inches
-constexpr double kSlack = 1e-9;          // m, for 275 mm that come out as 275.0000001 mm
 
 struct Extent {
   double width = 0;
@@ -41,7 +40,7 @@ Extent page_for(const Board& board) {
 }
 
 bool holds(const Extent& page, const Extent& needed) {
-  return page.width + kSlack >= needed.width && page.height + kSlack >= needed.height;
+  return page.width + kLengthSlack >= needed.width && page.height + kLengthSlack >= needed.height;
 }
 
 // The paper as the board lies on it, along the board's longer side if both ways fit.

@@ -41,6 +41,9 @@ struct BoardTile {
 [[nodiscard]] Result<std::vector<BoardTile>> lay_out_tiles(const Board& board,
                                                            std::string_view paper);
 
+// m, of the lengths that are compared: for 275 mm that come out as 275.0000001 mm.
+inline constexpr double kLengthSlack = 1e-9;
+
 // "a4", "a3", ..., "letter", ...: from small to large.
 [[nodiscard]] std::vector<std::string> paper_names();
 

@@ -19,7 +19,6 @@ namespace calvin {
 
 namespace {
 
-constexpr double kSlack = 1e-9;  // m
 constexpr std::size_t kMostTiles = 200;
 
 // A sheet as it lies.
@@ -47,7 +46,7 @@ std::vector<double> cuts_of(double from, double to, double most,
                             const std::vector<double>& places) {
   constexpr double kShortest = 0.5;  // of a part that could be longer
   std::vector<double> cuts = {from};
-  while (to - cuts.back() > most + kSlack) {
+  while (to - cuts.back() > most + kLengthSlack) {
     const double last = cuts.back() + most;
     const auto after = std::ranges::upper_bound(places, last);
     const bool is_clear = after != places.begin() && *(after - 1) > cuts.back() + kShortest * most;

@@ -206,8 +206,8 @@ class SceneMaker {
   // As large as the place of the cameras; where they are close together and boards far away, as
   // large as can be seen beside these without hiding the next camera.
   [[nodiscard]] double size_of_marks() const {
-    constexpr double kSeen = 0.22;   // of the whole scene
-    constexpr double kApart = 0.75;  // of the distance to the nearest camera
+    constexpr double kLargestMark = 0.22;  // of the whole scene
+    constexpr double kApart = 0.75;        // of the distance to the nearest camera
     std::vector<Eigen::Vector3d> all = places_;
     for (const RigBoard& board : rig_.boards) {
       all.push_back(to_se3(board.rig_from_board).translation);
@@ -219,7 +219,7 @@ class SceneMaker {
       }
     }
     return std::max(radius_of(places_),
-                    std::min(kSeen * radius_of(all), kApart * nearest) / kFrustum);
+                    std::min(kLargestMark * radius_of(all), kApart * nearest) / kFrustum);
   }
 
   // Where the camera looks: as far as to what it looks at.

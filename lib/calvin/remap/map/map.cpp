@@ -23,9 +23,11 @@ constexpr int kMaxFineNodes = 1 << 16;
 constexpr int kEmptyNodes = 1 << 12;
 // Coordinates are clamped this far outside of the source, px: what is farther off is not seen
 // anyway, and 32 bits hold differences of clamped ones in 1/2^14 of a sample (remap/map/runs.hpp).
-constexpr double kFar = 30000;
+constexpr double kFarOutside = 30000;
 
-double clamp_far(double coord, int length) { return std::clamp(coord, -kFar, length + kFar); }
+double clamp_far(double coord, int length) {
+  return std::clamp(coord, -kFarOutside, length + kFarOutside);
+}
 
 }  // namespace
 

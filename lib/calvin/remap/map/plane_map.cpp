@@ -24,7 +24,7 @@ constexpr int kMaxBentPart = 16;
 
 // Coordinates are clamped to this distance from the origin, samples: so that they fit into 32 bits
 // in 1/2^14 of a sample. What is farther off is not seen anyway.
-constexpr double kFar = 1e5;
+constexpr double kFarFromOrigin = 1e5;
 
 }  // namespace
 
@@ -169,7 +169,7 @@ PlaneMap::Bent PlaneMap::bent_runs(int y, const PixelFunction& source_of) const 
       Pixel exact = map_->at(at);
       if (!std::isfinite(exact.u) || !std::isfinite(exact.v)) {
         of_map = false;
-        exact = source_of(at).value_or(Pixel{kFar, kFar});
+        exact = source_of(at).value_or(Pixel{kFarFromOrigin, kFarFromOrigin});
       }
       const Pixel coord = to_samples(exact);
       return std::abs(px.at(t) - coord.u) <= tolerance && std::abs(py.at(t) - coord.v) <= tolerance;
@@ -184,7 +184,8 @@ PlaneMap::Bent PlaneMap::bent_runs(int y, const PixelFunction& source_of) const 
 PlaneMap::Middles PlaneMap::middles_of(int y) const {
   constexpr double kScale = 1 << remap::kCoordBits;
   const auto number = [&](double coord) {
-    return static_cast<std::int32_t>(std::lrint(std::clamp(coord, -kFar, kFar) * kScale));
+    return static_cast<std::int32_t>(
+        std::lrint(std::clamp(coord, -kFarFromOrigin, kFarFromOrigin) * kScale));
   };
   Middles middles;
   for (int j = -remap::kMargin; j < runs() + remap::kMargin; ++j) {

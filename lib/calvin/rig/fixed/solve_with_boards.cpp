@@ -14,13 +14,12 @@
 #include <fmt/format.h>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr Eigen::Index kPose = 6;
 
 // The largest step, in sigmas.
 double largest_step(const BoardOffsets& offsets) {

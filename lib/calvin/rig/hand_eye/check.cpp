@@ -24,10 +24,10 @@ namespace {
 
 using Sightings = std::vector<Sighting>;
 
-constexpr double kLeastTurn = 0.02;  // rad, root mean square
-constexpr double kOpen = 0.3;        // of the motion: loops that are left open by more do not close
-constexpr double kPoor = 0.03;       // from where on another reading is looked for
-constexpr double kBetter = 0.2;      // of what is left open: another reading is the right one
+constexpr double kLeastRmsTurn = 0.02;  // rad, root mean square
+constexpr double kOpen = 0.3;    // of the motion: loops that are left open by more do not close
+constexpr double kPoor = 0.03;   // from where on another reading is looked for
+constexpr double kBetter = 0.2;  // of what is left open: another reading is the right one
 
 // What is left of the loops, as a part of the motions that they are made of.
 double open_part(const HandEyeStart& start, const HandMotion& motion) {
@@ -179,7 +179,7 @@ Status check_enough(const std::vector<BoardView>& views) {
 }
 
 Status check_turns(const Sightings& sightings, EyeSetup setup, double turn_sigma) {
-  if (motion_of(sightings).turn < kLeastTurn) {
+  if (motion_of(sightings).turn < kLeastRmsTurn) {
     return make_error(ErrorCode::kDegenerate,
                       "The hand of the robot was never turned, so that the place of the camera "
                       "could be any: turn the hand between the pictures, by 20 degrees and more, "

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/geometry/median.hpp"
 #include "calvin/rig/hand_eye/problem.hpp"
 #include "calvin/rig/hand_eye/start.hpp"
 #include "calvin/rig/joint/camera_unknowns.hpp"
@@ -236,7 +237,7 @@ class HandEyeSolver {
       if (used_[v]) sums.push_back(squares_[v]);
     }
     if (sums.size() < kFewest) return false;
-    const double limit = kFar / kMedian * median(sums);
+    const double limit = kFar / kMedian * median_of(sums);
     bool changed = false;
     for (std::size_t v = 0; v < loops_.size(); ++v) {
       if (!used_[v] || !(squares_[v] > limit)) continue;

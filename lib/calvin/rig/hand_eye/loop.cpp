@@ -9,15 +9,11 @@
 
 #include <Eigen/Geometry>
 
+#include "calvin/geometry/cross_matrix.hpp"
+
 namespace calvin::rig {
 
 namespace {
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 SE3 mount_from_carrier(const HandEyePlaces& places, const SE3& camera_from_board) {
   const SE3 scaled = {camera_from_board.rotation, places.scale * camera_from_board.translation};

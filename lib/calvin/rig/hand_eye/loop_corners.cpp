@@ -11,6 +11,7 @@
 #include <numeric>
 #include <utility>
 
+#include "calvin/geometry/median.hpp"
 #include "calvin/rig/hand_eye/start.hpp"
 
 namespace calvin::rig {
@@ -97,7 +98,7 @@ LoopCorners::Kept LoopCorners::leave_out(const std::vector<std::vector<double>>&
     std::ranges::copy_if(of_set, std::back_inserter(all), [](double d) { return d > 0; });
   }
   if (all.empty()) return {};
-  Kept kept = {std::max(median(std::move(all)) / kMedianDistance, 1e-9), false};
+  Kept kept = {std::max(median_of(std::move(all)) / kMedianDistance, 1e-9), false};
   for (std::size_t s = 0; s < sets_.size(); ++s) {
     PointSet cleaned = sets_[s].all;
     for (std::size_t i = 0; i < far[s].size(); ++i) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/solve/linear/arrow_step.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
@@ -17,8 +18,6 @@
 namespace calvin::rig {
 
 namespace {
-
-constexpr int kPose = ArrowLayout::kPose;
 
 // What is free of the table, the places, and the scale where it may be.
 Eigen::MatrixXd basis_of(const ParameterTable& table, int free_places) {

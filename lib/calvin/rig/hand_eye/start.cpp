@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/geometry/median.hpp"
 
 namespace calvin::rig {
 
@@ -283,8 +284,8 @@ class Search {
       turns.push_back(error.head<3>().norm());
       ways.push_back(error.tail<3>().norm());
     }
-    start.turn = median(std::move(turns));
-    start.place = median(std::move(ways));
+    start.turn = median_of(std::move(turns));
+    start.place = median_of(std::move(ways));
   }
 
   const std::vector<Sighting>& sightings_;
@@ -316,12 +317,6 @@ std::optional<HandEyeStart> find_start(const std::vector<Sighting>& sightings, E
   return Search(sightings, setup, free_scale).run();
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 HandMotion motion_of(const std::vector<Sighting>& sightings) {
   HandMotion motion;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
@@ -340,7 +335,7 @@ HandMotion motion_of(const std::vector<Sighting>& sightings) {
   }
   motion.turn = std::sqrt(motion.turn);
   motion.way = std::sqrt(motion.way);
-  motion.distance = median(std::move(distances));
+  motion.distance = median_of(std::move(distances));
   return motion;
 }
 

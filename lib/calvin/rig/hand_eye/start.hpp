@@ -42,9 +42,6 @@ struct HandEyeStart {
 [[nodiscard]] std::optional<HandEyeStart> find_start(const std::vector<Sighting>& sightings,
                                                      EyeSetup setup, bool free_scale);
 
-// The value in the middle, the upper one of two; `values` are some.
-[[nodiscard]] double median(std::vector<double> values);
-
 // How far the hand went, as the robot told it: root mean squares of the turn (rad) from the mean
 // orientation and of the way (m) from the mean place, and the median distance of the boards, m.
 struct HandMotion {

@@ -12,11 +12,11 @@
 
 #include <Eigen/Cholesky>
 
+#include "calvin/rig/pose_unknowns.hpp"
+
 namespace calvin::rig {
 
 namespace {
-
-constexpr Eigen::Index kPose = 6;
 
 Eigen::Index place_of(std::size_t camera) { return kPose * static_cast<Eigen::Index>(camera) + 3; }
 

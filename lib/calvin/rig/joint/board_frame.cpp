@@ -12,12 +12,11 @@
 #include <limits>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr Eigen::Index kPose = 6;
 
 // ns from the time that is asked for; of the first instant and the last one what is less for those
 // that come earlier and later.

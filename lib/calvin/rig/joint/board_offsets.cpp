@@ -10,13 +10,12 @@
 #include <cmath>
 
 #include "calvin/rig/joint/extra_unknowns.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr std::size_t kPose = 6;
 
 bool has_labelling(const BoardView& view, const SE3& body_from_own) {
   return std::ranges::any_of(view.labellings, [&](const SE3& labelling) {

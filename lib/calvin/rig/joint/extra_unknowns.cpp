@@ -9,12 +9,11 @@
 #include <cstddef>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr Eigen::Index kPose = 6;
 
 // The step from one set of places to another, of all cameras but the first.
 Eigen::VectorXd step_between(const std::vector<SE3>& from, const std::vector<SE3>& to) {

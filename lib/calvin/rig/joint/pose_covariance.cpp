@@ -10,11 +10,11 @@
 
 #include <Eigen/Cholesky>
 
+#include "calvin/rig/pose_unknowns.hpp"
+
 namespace calvin::rig {
 
 namespace {
-
-constexpr int kPose = 6;
 
 // Where a camera expects the corners in use, weighted: u v u v ...
 Eigen::VectorXd expected(const PointSet& seen, const Camera& camera, const SE3& pose) {

@@ -12,14 +12,13 @@
 
 #include "calvin/rig/joint/camera_unknowns.hpp"
 #include "calvin/rig/joint/rig_solver.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr int kPose = ArrowLayout::kPose;
 
 // px, not weighted, of the corners in use.
 void add_rms(const std::vector<BoardView>& views, const RigSolver& solver,
@@ -65,12 +64,6 @@ bool are_exact(const std::vector<RigCameraViews>& calibrations) {
   });
 }
 
-tl::unexpected<Error> undetermined() {
-  return make_error(ErrorCode::kDegenerate,
-                    "What the cameras have seen does not determine where they stand: show the "
-                    "board to two cameras at a time in more places.");
-}
-
 }  // namespace
 
 Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
@@ -90,12 +83,12 @@ Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
     fit.intrinsics = intrinsics_step(*equations, *wishes.free, variance);
     known = fit.intrinsics->known;
   }
-  if (!known) return undetermined();
+  if (!known) return undetermined_places();
   fit.covariance = known->of_places;
   if (wishes.world != nullptr && wishes.world->camera.empty()) {
     const auto pose = pose_at(*wishes.world, views, calibrations, solver);
     if (pose) fit.board = board_frame(*pose, solver, table, *known, variance);
-    if (!fit.board) return undetermined();
+    if (!fit.board) return undetermined_places();
   }
   fit.places = solver.places();
   for (std::size_t p = 0; p < fit.places.views.size(); ++p) {

@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "calvin/rig/joint/camera_unknowns.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/solve/linear/lm.hpp"
 
 namespace calvin::rig {
 
 namespace {
 
-constexpr int kPose = ArrowLayout::kPose;
 constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in their sigma
 // To where it can be told what contradicts the rest: a step that would change the cost by less than
 // this part of it is the last one.
@@ -24,13 +24,13 @@ constexpr LmOptions kRough = {100, 1e-13, 1e-3, 1e-6};
 // From there to the optimum, where the last step is too small to change the equations.
 constexpr LmOptions kFine = {100, 1e-13, 1e-11, 1e-6};
 
-tl::unexpected<Error> undetermined() {
+}  // namespace
+
+tl::unexpected<Error> undetermined_places() {
   return make_error(ErrorCode::kDegenerate,
                     "What the cameras have seen does not determine where they stand: show the "
                     "board to two cameras at a time in more places.");
 }
-
-}  // namespace
 
 RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
                      const std::vector<Camera>& cameras, const std::stop_token& stop)
@@ -60,10 +60,10 @@ RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
 Status RigSolver::run() {
   constexpr double kSoft = 5;  // px: places are known about
   constexpr int kRounds = 3;
-  if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft}, kRough, false)) return undetermined();
+  if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft}, kRough, false)) return undetermined_places();
   for (int round = 0; round < kRounds; ++round) {
     const bool changed = leave_out();
-    if (!minimise_over(Loss{}, kFine, !changed)) return undetermined();
+    if (!minimise_over(Loss{}, kFine, !changed)) return undetermined_places();
     if (!changed) break;
   }
   if (stop_.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");

@@ -83,4 +83,7 @@ class RigSolver {
   std::optional<BundleProblem> optimum_;             // of the last one that was minimised
 };
 
+// kDegenerate: where the cameras stand is open.
+[[nodiscard]] tl::unexpected<Error> undetermined_places();
+
 }  // namespace calvin::rig

@@ -54,19 +54,19 @@ Clouds clouds_of(const std::vector<SE3>& rig_from_camera, const std::vector<Know
   return clouds;
 }
 
-struct Fit {
+struct TurnedFit {
   double scale = 1;
   double squares = 0;  // m^2, what is left
 };
 
-Fit fit_with(const Clouds& clouds, const Eigen::Matrix3d& turn) {
+TurnedFit fit_with(const Clouds& clouds, const Eigen::Matrix3d& turn) {
   double along = 0;
   double length = 0;
   for (std::size_t i = 0; i < clouds.rig.size(); ++i) {
     along += clouds.world[i].dot(turn * clouds.rig[i]);
     length += clouds.rig[i].squaredNorm();
   }
-  Fit fit{along / length, 0};
+  TurnedFit fit{along / length, 0};
   for (std::size_t i = 0; i < clouds.rig.size(); ++i) {
     fit.squares += (clouds.world[i] - fit.scale * (turn * clouds.rig[i])).squaredNorm();
   }
@@ -100,8 +100,8 @@ Result<Alignment> by_frame(const Clouds& clouds, bool has_unit) {
   if (on_a_line(clouds.world) || on_a_line(clouds.rig)) return collinear();
   const Eigen::Matrix3d product = clouds.product();
   const Eigen::Matrix3d turn = closest_rotation(product);
-  const Fit fit = fit_with(clouds, turn);
-  const Fit mirror = fit_with(clouds, -closest_rotation(-product));
+  const TurnedFit fit = fit_with(clouds, turn);
+  const TurnedFit mirror = fit_with(clouds, -closest_rotation(-product));
   double size = 0;
   for (const Eigen::Vector3d& p : clouds.world) size += p.squaredNorm();
   if (fit.squares > kPoor * kPoor * size && mirror.squares < kBetter * kBetter * fit.squares) {

@@ -18,9 +18,9 @@ namespace calvin::rig {
 
 namespace {
 
-constexpr int kSamples = 150;       // with a third of the instants wrong, 99.7 % find a good one
+constexpr int kSpaceSamples = 150;  // with a third of the instants wrong, 99.7 % find a good one
 constexpr int kPlaneSamples = 60;   // of four
-constexpr std::size_t kPoints = 8;  // that determine F linearly
+constexpr std::size_t kLinearPoints = 8;  // that determine F linearly
 
 struct Pair {
   Eigen::Vector3d a;
@@ -103,7 +103,7 @@ Support support(const std::vector<Pair>& pairs, const Eigen::Matrix3d& f, double
 // Fits again to what agrees while that lowers the cost.
 void polish(const std::vector<Pair>& pairs, double limit, Eigen::Matrix3d& f, Support& now) {
   constexpr int kRounds = 4;
-  for (int round = 0; round < kRounds && now.agree.size() > kPoints; ++round) {
+  for (int round = 0; round < kRounds && now.agree.size() > kLinearPoints; ++round) {
     const Eigen::Matrix3d next = eight_points(pairs, now.agree);
     Support better = support(pairs, next, limit);
     if (!(better.cost < now.cost)) return;
@@ -144,8 +144,8 @@ std::optional<EpipolarGeometry> find_epipolar_geometry(const Tracks& tracks, std
   Picker picker;
   std::optional<EpipolarGeometry> best;
   Support of_best;
-  for (int sample = 0; sample < kSamples; ++sample) {
-    Eigen::Matrix3d f = eight_points(pairs, picker.pick(kPoints, pairs.size()));
+  for (int sample = 0; sample < kSpaceSamples; ++sample) {
+    Eigen::Matrix3d f = eight_points(pairs, picker.pick(kLinearPoints, pairs.size()));
     if (!f.allFinite()) continue;
     Support now = support(pairs, f, limit);
     if (best && !(now.cost < of_best.cost)) continue;

@@ -347,8 +347,9 @@ class LightSolver {
   }
 
   [[nodiscard]] tl::unexpected<Error> undetermined(const std::string& camera) const {
-    constexpr double kPlanar = 0.6;  // share of the best pair's instants, reflections among them
-    if (planar_ > kPlanar) return light_in_a_plane();
+    // Share of the best pair's instants, reflections among them.
+    constexpr double kMostlyPlanar = 0.6;
+    if (planar_ > kMostlyPlanar) return light_in_a_plane();
     return make_error(
         ErrorCode::kDegenerate,
         fmt::format(

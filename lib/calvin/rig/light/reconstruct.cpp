@@ -15,6 +15,7 @@
 #include <Eigen/SVD>
 
 #include "calvin/core/text.hpp"
+#include "calvin/geometry/cross_matrix.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/rig/light/linear.hpp"
 
@@ -68,9 +69,7 @@ Matrix34 nearest_motion(const Tracks& tracks, const EpipolarGeometry& pair) {
 // Euclidean, linear equations weigh points as the eye does (ibid.).
 Matrix34 near_motion(const Eigen::Matrix3d& fundamental, const Matrix34& motion) {
   const Eigen::Vector3d epipole = motion.col(3).normalized();
-  Eigen::Matrix3d cross;
-  cross << 0, -epipole.z(), epipole.y(), epipole.z(), 0, -epipole.x(), -epipole.y(), epipole.x(), 0;
-  const Eigen::Matrix3d across = -cross * fundamental;
+  const Eigen::Matrix3d across = -cross_matrix(epipole) * fundamental;
   const Eigen::Matrix3d turn = motion.leftCols<3>();
   const double a = across.cwiseProduct(turn).sum() / across.squaredNorm();
   Matrix34 projection;

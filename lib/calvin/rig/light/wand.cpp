@@ -16,18 +16,13 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/geometry/dense.hpp"
+#include "calvin/geometry/median.hpp"
 
 namespace calvin::rig {
 
 namespace {
 
 constexpr double kMedianOfNormal = 0.6745;  // of |x|, in its sigma
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 SE3 pose_of(const PlacedWand& wand, const std::vector<double>& places, const LightState& state) {
   const auto at = [&](std::size_t light) { return *state.points[wand.first + light]; };
@@ -126,11 +121,11 @@ Result<double> wrong_parts(const std::vector<double>& wand, const Ratios& ratios
   std::vector<std::string> parts;
   const auto longest = std::ranges::max_element(
       ratios, {}, [&](const auto& of) { return wand[of.first.second] - wand[of.first.first]; });
-  const double whole = median(longest->second);
+  const double whole = median_of(longest->second);
   for (const auto& [pair, seen] : ratios) {
     const double known = 1e3 * (wand[pair.second] - wand[pair.first]);
     parts.push_back(fmt::format("lights {} and {} {:.1f} mm apart, not {:.1f} mm", pair.first,
-                                pair.second, known * median(seen) / whole, known));
+                                pair.second, known * median_of(seen) / whole, known));
   }
   return make_error(
       ErrorCode::kInvalidArgument,
@@ -250,7 +245,7 @@ Result<double> scale_by_wand(const std::vector<WandDistance>& distances,
     wands += i == 0 || distances[i - 1].first != one.first ? 1 : 0;
   }
   if (wands < kFewest) return too_few(wands, kFewest);
-  const double scale = median(all);
+  const double scale = median_of(all);
   std::vector<double> off;
   for (const double ratio : all) off.push_back(std::abs(ratio / scale - 1));
   double least = scale;
@@ -258,14 +253,14 @@ Result<double> scale_by_wand(const std::vector<WandDistance>& distances,
   double allowed = kAlike;
   for (auto& [pair, own] : ratios) {
     if (own.size() < kFewest) continue;
-    least = std::min(least, median(own));
-    most = std::max(most, median(own));
+    least = std::min(least, median_of(own));
+    most = std::max(most, median_of(own));
     allowed =
         std::max(allowed, kSure * unknowns.wand_sigma() / (wand[pair.second] - wand[pair.first]));
   }
   if (most > (1 + allowed) * least) return wrong_parts(wand, ratios);
-  const double spread = median(std::move(off)) / kMedianOfNormal;
-  if (spread > std::max(kRigid, kSure * median(std::move(noise)))) return not_rigid(spread);
+  const double spread = median_of(std::move(off)) / kMedianOfNormal;
+  if (spread > std::max(kRigid, kSure * median_of(std::move(noise)))) return not_rigid(spread);
   return 1 / scale;
 }
 
@@ -279,7 +274,7 @@ void refuse_lights(const std::vector<WandDistance>& distances, const LightUnknow
     off.push_back(std::abs(one.seen - (wand[one.b] - wand[one.a])) /
                   std::hypot(one.sigma, unknowns.wand_sigma()));
   }
-  const double limit = kFar * std::max(1.0, median(off) / kMedianOfNormal);
+  const double limit = kFar * std::max(1.0, median_of(off) / kMedianOfNormal);
   for (std::size_t i = 0; i < distances.size();) {
     const std::size_t first = distances[i].first;
     std::vector<std::pair<unsigned, bool>> pairs;

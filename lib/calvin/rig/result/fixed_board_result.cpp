@@ -12,12 +12,11 @@
 #include <Eigen/Core>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr Eigen::Index kPose = 6;
 
 // The text of each board, by BoardView::own_board.
 std::vector<std::string> texts_of(const std::vector<RigCameraViews>& seen, const BoardsSolve& one) {

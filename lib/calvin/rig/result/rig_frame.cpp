@@ -14,22 +14,15 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/geometry/cross_matrix.hpp"
 #include "calvin/geometry/dense.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 
 namespace calvin::rig {
 
 namespace {
 
-constexpr Eigen::Index kPose = 6;
-
 Eigen::Index at(std::size_t frame) { return kPose * static_cast<Eigen::Index>(frame); }
-
-// m x = v x m
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 // Exact for quarter turns.
 Eigen::Matrix3d rotation_of(const std::vector<RigWorld::Turn>& turns) {
@@ -65,7 +58,7 @@ PlacedCameras frames_of(const RigFit& fit) {
   const SE3& board = fit.board->rig_from_board;
   frames.rig_from_camera.push_back(board);
   moves.block<kPose, kPose>(at(cameras), at(cameras - 1)).setIdentity();
-  moves.block<3, 3>(at(cameras) + 3, at(cameras - 1)) = -cross(board.translation);
+  moves.block<3, 3>(at(cameras) + 3, at(cameras - 1)) = -cross_matrix(board.translation);
   frames.covariance = congruent(with_board(fit.covariance, *fit.board), moves.transpose());
   return frames;
 }
@@ -118,7 +111,7 @@ SE3 set_world(const RigWorld& world, const std::vector<std::string>& names, Plac
     moves.block<3, 3>(at(f) + 3, at(f) + 3) += back;
     moves.block<3, 3>(at(f), at(chosen)) -= back;
     moves.block<3, 3>(at(f) + 3, at(chosen) + 3) -= back;
-    moves.block<3, 3>(at(f) + 3, at(chosen)) += back * cross(away);
+    moves.block<3, 3>(at(f) + 3, at(chosen)) += back * cross_matrix(away);
   }
   const SE3 world_from_rig = rig_from_world.inverse();
   for (SE3& frame : frames.rig_from_camera) frame = world_from_rig * frame;

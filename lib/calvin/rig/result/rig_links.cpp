@@ -7,14 +7,13 @@
 
 #include "calvin/rig/common_corners.hpp"
 #include "calvin/rig/joint/camera_distance.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/rig/rig_distances.hpp"
 #include "calvin/rig/stereo.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr Eigen::Index kPose = 6;
 
 double mean_focal(const Camera& a, const Camera& b) {
   return (a.fx() + a.fy() + b.fx() + b.fy()) / 4;

@@ -6,14 +6,9 @@
 #include "calvin/rig/result/rig_result.hpp"
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 
 namespace calvin::rig {
-
-namespace {
-
-constexpr Eigen::Index kPose = 6;
-
-}  // namespace
 
 void set_cameras(const std::vector<Calibration>& cameras, const PlacedCameras& frames,
                  const std::vector<double>& rms, Rig& to) {

@@ -16,7 +16,7 @@ namespace calvin::rig {
 
 namespace {
 
-constexpr std::size_t kMost = 24;
+constexpr std::size_t kMostShown = 24;
 
 struct Shown {
   const Board* board = nullptr;
@@ -46,7 +46,7 @@ std::vector<std::size_t> spread(const std::vector<Shown>& all) {
   std::vector<std::size_t> taken;
   std::vector<double> away(all.size(), 1e300);  // m, from the nearest one that was taken
   std::size_t next = 0;
-  while (taken.size() < std::min(kMost, all.size())) {
+  while (taken.size() < std::min(kMostShown, all.size())) {
     taken.push_back(next);
     for (std::size_t i = 0; i < all.size(); ++i) {
       away[i] = std::min(away[i], (all[i].middle - all[next].middle).norm());

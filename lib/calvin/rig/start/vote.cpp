@@ -18,8 +18,8 @@ constexpr std::size_t kMostVoters = 80;  // voters that are asked
 constexpr std::size_t kRoughVoters = 8;  // that are asked first
 // Proposals of the best place of which all are asked: it is refined later.
 constexpr int kAsked = 3;
-constexpr double kAgree = 8;  // px, weighted: of views whose poses are known about
-constexpr double kSoft = 2;   // px, from where on a misfit counts less than its square
+constexpr double kAgree = 8;       // px, weighted: of views whose poses are known about
+constexpr double kSoftMisfit = 2;  // px, from where on a misfit counts less than its square
 // How much better than another one a place has to be, in misfits of one view that disagrees.
 constexpr double kLead = 1.5;
 constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -35,7 +35,7 @@ double cost(const SE3& place, const Voters& voters, const std::vector<std::size_
             double most) {
   double sum = 0;
   for (const std::size_t voter : asked) {
-    const double misfit = voters.misfit(voter, place) / kSoft;
+    const double misfit = voters.misfit(voter, place) / kSoftMisfit;
     sum += std::log1p(misfit * misfit);
     if (sum >= most) break;
   }

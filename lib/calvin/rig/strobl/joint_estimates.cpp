@@ -18,6 +18,7 @@
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/dense.hpp"
 #include "calvin/rig/hand_eye/report.hpp"
+#include "calvin/rig/pose_unknowns.hpp"
 #include "calvin/solve/judge/projection_error.hpp"
 
 namespace calvin::rig {
@@ -25,8 +26,6 @@ namespace calvin::rig {
 namespace {
 
 constexpr std::array<std::string_view, 6> kPoseNames = {"rx", "ry", "rz", "tx", "ty", "tz"};
-constexpr int kPose = 6;
-
 // Rows of estimates by the unknowns of the fit.
 class Rows {
  public:

@@ -105,8 +105,8 @@ void remark_aspect(const HandEye& found, const Board& board, std::vector<std::st
       100 * std::abs(found.aspect->value - 1), found.aspect->value > 1 ? "farther" : "less far",
       two_digits(100 * found.aspect->sigma));
   if (grid && found.scale) {
-    constexpr double kMillimetre = 1e-3;  // m
-    const double pitch = found.scale->value * grid->pitch / kMillimetre;
+    constexpr double kMilli = 1e-3;  // m in a millimetre
+    const double pitch = found.scale->value * grid->pitch / kMilli;
     text +=
         fmt::format(": {:.5g} mm down and {:.5g} mm across", pitch * found.aspect->value, pitch);
   }

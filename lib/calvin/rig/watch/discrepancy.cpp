@@ -10,17 +10,12 @@
 
 #include <Eigen/Cholesky>
 
+#include "calvin/geometry/cross_matrix.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 Matrix6 covariance_of(const RigCamera& camera) {
   if (camera.covariance.size() != 36) return Matrix6::Zero();  // the camera that is the rig
@@ -56,13 +51,13 @@ Discrepancy discrepancy_of(const RigCamera& first, const MeasuredPose::Choice& b
   const Eigen::Vector3d between =
       board_from_second.translation - first_from_board.inverse().translation;
   const auto by_both = [&](const Matrix6& a, const Matrix6& b) -> Matrix6 {
-    return turned(-of_first, of_first * cross(between), -of_first, a) +
+    return turned(-of_first, of_first * cross_matrix(between), -of_first, a) +
            turned(of_second, Eigen::Matrix3d::Zero(), of_second, b);
   };
   result.of_noise = by_both(by_first.covariance.of_noise, by_second.covariance.of_noise);
   result.in_common = by_both(by_first.covariance.of_lens, by_second.covariance.of_lens);
   // The rig turns about its first camera's place likewise.
-  const Eigen::Matrix3d lever = -cross(seen.translation - rig_from_first.translation);
+  const Eigen::Matrix3d lever = -cross_matrix(seen.translation - rig_from_first.translation);
   result.in_common += turned(Eigen::Matrix3d::Identity(), lever, Eigen::Matrix3d::Identity(),
                              covariance_of(first)) +
                       covariance_of(second);

@@ -21,7 +21,7 @@ constexpr double kShown[] = {0.45, 0.35, 0.25, 0.15};
 constexpr double kClose[] = {0.75, 0.65, 0.55, 0.45, 0.35, 0.25, 0.15};
 constexpr double kBeside[] = {0.3, 0.25, 0.2, 0.15, 0.1};
 constexpr double kTilted[] = {0.45, 0.6, 0.35, 0.25, 0.15};
-constexpr double kTilts[] = {0.6, 0.8, 1.0};  // rad
+constexpr double kTiltAngles[] = {0.6, 0.8, 1.0};  // rad
 
 class TargetSearch {
  public:
@@ -42,7 +42,7 @@ class TargetSearch {
         break;
       case HintKind::kTilt:
         for (const double size : kTilted) {
-          for (const double tilt : kTilts) {
+          for (const double tilt : kTiltAngles) {
             consider(place_.pose_at(place_.middle(), size, tilt * axis_of(hint.direction)));
           }
         }

@@ -14,6 +14,7 @@
 #include "calvin/camera/image_transform.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/homography.hpp"
+#include "calvin/geometry/pixels.hpp"
 #include "calvin/target/points/id_index.hpp"
 
 namespace calvin {
@@ -27,7 +28,7 @@ constexpr double kRangeSize = 0.4;
 constexpr double kRangeTilt = 0.5;
 
 // Beyond this ratio of opposite edges the board counts as tilted to that side.
-constexpr double kTilted = 0.06;
+constexpr double kTiltRatio = 0.06;
 
 // A long lens sees both edges equally long. Where a board of this size, at least, is foreshortened
 // by a tilt of 30 degrees, and still no edge looks longer, either of them counts as nearer.
@@ -36,8 +37,6 @@ constexpr double kLargeEnough = 0.2;
 
 constexpr std::array kEdges = {HintDirection::kLeft, HintDirection::kRight, HintDirection::kTop,
                                HintDirection::kBottom};
-
-double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
 // The largest difference of an angle of the quadrangle from a right one, rad.
 double farthest_from_square(const std::vector<Pixel>& corner) {
@@ -199,12 +198,13 @@ bool ViewCoverage::spans_all() const { return std::min({x(), y(), size(), tilt()
 
 void ViewCoverage::add_nearer_edges(const BoardFootprint& p) {
   const bool large = p.size >= kLargeEnough;
-  const bool sideways = large && p.aspect < kForeshortened && std::abs(p.left_nearer) <= kTilted;
-  const bool upright = large && p.aspect > 1 / kForeshortened && std::abs(p.top_nearer) <= kTilted;
-  seen_nearer_[0] |= p.left_nearer > kTilted || sideways;
-  seen_nearer_[1] |= p.left_nearer < -kTilted || sideways;
-  seen_nearer_[2] |= p.top_nearer > kTilted || upright;
-  seen_nearer_[3] |= p.top_nearer < -kTilted || upright;
+  const bool sideways = large && p.aspect < kForeshortened && std::abs(p.left_nearer) <= kTiltRatio;
+  const bool upright =
+      large && p.aspect > 1 / kForeshortened && std::abs(p.top_nearer) <= kTiltRatio;
+  seen_nearer_[0] |= p.left_nearer > kTiltRatio || sideways;
+  seen_nearer_[1] |= p.left_nearer < -kTiltRatio || sideways;
+  seen_nearer_[2] |= p.top_nearer > kTiltRatio || upright;
+  seen_nearer_[3] |= p.top_nearer < -kTiltRatio || upright;
 }
 
 Hint ViewCoverage::hint() const {

@@ -26,15 +26,15 @@ constexpr std::array kPlaces = {0.12, 0.3, 0.5, 0.7, 0.88};  // of the picture, 
 constexpr std::array kSizes = {0.25, 0.35, 0.5, 0.65, 0.8};  // BoardPlacement::pose_at
 constexpr std::array kTilts = {0.4, 0.8};                    // rad
 constexpr int kDirections = 8;                               // to which it is tilted
-constexpr double kEnough = 0.2;    // of the picture that may stay uncovered, as of who is done
-constexpr double kRoll = 0.15;     // rad, to either side
-constexpr double kUnlike = 0.06;   // of the diagonal: RMS of the corners' moves
-constexpr double kNearer = 0.125;  // of its distance, that a hand holds a board too near
-constexpr double kBeside = 0.08;   // of the picture's longer side, that it is beside its place
-constexpr double kReach = 0.7;     // of its distance, to where it is moved at once
-constexpr double kBeyond = 0.05;   // of the diagonal: how far outside of the corners seen so far
+constexpr double kUncovered = 0.2;  // of the picture that may stay uncovered, as of who is done
+constexpr double kRoll = 0.15;      // rad, to either side
+constexpr double kUnlike = 0.06;    // of the diagonal: RMS of the corners' moves
+constexpr double kTooNear = 0.125;  // of its distance, that a hand holds a board too near
+constexpr double kAside = 0.08;     // of the picture's longer side, that it is beside its place
+constexpr double kReach = 0.7;      // of its distance, to where it is moved at once
+constexpr double kBeyond = 0.05;    // of the diagonal: how far outside of the corners seen so far
 constexpr std::size_t kTargets = 3;
-constexpr double kStill = 0.5;  // of what the best one tells: an older one is asked for as well
+constexpr double kAgain = 0.5;  // of what the best one tells: an older one is asked for as well
 
 // How easily a hand gets to a target and has the board seen there; each includes those before it.
 enum class Ease {
@@ -90,10 +90,10 @@ Eigen::Vector3d middle_of(const Board& board, const SE3& pose) {
 
 // Whether the board stays in the picture in a hand that errs by as much.
 bool has_room(const BoardPlacement& placement, const Board& board, SE3 pose) {
-  pose.translation -= kNearer * middle_of(board, pose);
+  pose.translation -= kTooNear * middle_of(board, pose);
   const auto box = placement.box(pose);
   const ImageSize picture = placement.camera().image_size();
-  const double room = kBeside * std::max(picture.width, picture.height);
+  const double room = kAside * std::max(picture.width, picture.height);
   return box && box->left >= room && box->top >= room && box->right <= picture.width - 1 - room &&
          box->bottom <= picture.height - 1 - room;
 }
@@ -309,7 +309,7 @@ bool ViewGuide::keep_asking(const ViewGuide& before, const Views& kept) {
   const auto information = view ? scorer_.information(*view, old->pose) : std::nullopt;
   Target again = {old->pose, information ? gain(*view, *information) : 0, nullptr, {}, {}};
   again.outline = BoardPlacement(board, camera_, board.extent()).outline(old->pose);
-  if (again.gain < kStill * asked()->gain || again.outline.empty()) return false;
+  if (again.gain < kAgain * asked()->gain || again.outline.empty()) return false;
   view->observation.board = old->view->observation.board;
   again.take(*std::move(view));
   targets_.insert(targets_.begin() + static_cast<std::ptrdiff_t>(asked_), std::move(again));
@@ -317,7 +317,7 @@ bool ViewGuide::keep_asking(const ViewGuide& before, const Views& kept) {
 }
 
 double ViewGuide::uncovered(const std::vector<Pixel>& hull) const {
-  return std::max(kEnough, 1 - polygon_area(hull) / visible_area_);
+  return std::max(kUncovered, 1 - polygon_area(hull) / visible_area_);
 }
 
 double ViewGuide::gain(const View& view, const Eigen::MatrixXd& information) const {

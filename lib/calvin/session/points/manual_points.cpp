@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include "calvin/geometry/pixels.hpp"
 #include "calvin/solve/residuals/points.hpp"
 #include "calvin/target/point_board.hpp"
 
@@ -19,7 +20,7 @@ namespace calvin {
 
 namespace {
 
-constexpr std::size_t kFewest = 4;         // of a view
+constexpr std::size_t kFewestPoints = 4;   // of a view
 constexpr double kSamePlace = 1e-6;        // m
 constexpr double kSamePixel = 0.5;         // px
 constexpr double kMillimetre = 1e-3;       // m
@@ -60,8 +61,6 @@ bool lie_on_a_line_but_one(const std::vector<Eigen::Vector3d>& points) {
   }
   return false;
 }
-
-double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
 }  // namespace
 
@@ -240,7 +239,7 @@ std::vector<PlacedPoint> ManualPoints::placed(std::size_t most) const {
 }
 
 std::optional<View> ManualPoints::view() const {
-  if (points_.size() < kFewest) return std::nullopt;
+  if (points_.size() < kFewestPoints) return std::nullopt;
   View view;
   std::vector<Point> sorted = points_;
   std::ranges::sort(sorted, {}, &Point::id);
@@ -266,7 +265,7 @@ std::size_t ManualPoints::needed() const {
   constexpr int kPose = 6;
   constexpr int kSpare = 2;           // equations more than unknowns, that errors show at all
   constexpr std::size_t kMatrix = 6;  // of the projection matrix from which a camera starts
-  if (unknowns_ == 0) return kFewest;
+  if (unknowns_ == 0) return kFewestPoints;
   return std::max(kMatrix, static_cast<std::size_t>(kPose + unknowns_ + kSpare + 1) / 2);
 }
 
@@ -335,7 +334,7 @@ std::string ManualPoints::then_next(std::string words) const {
 }
 
 std::string ManualPoints::lack() const {
-  if (points_.size() >= kFewest && !view()) {
+  if (points_.size() >= kFewestPoints && !view()) {
     return "All points, or all but one, lie on one line: choose others beside it.";
   }
   if (points_.size() < needed()) {

@@ -24,7 +24,7 @@ constexpr double kJump = 0.02;                    // likewise, from one picture 
 // Of a camera; then every other time is forgotten.
 constexpr std::size_t kMostBoards = 600;
 constexpr std::size_t kMostLights = 2000;  // of one point each
-constexpr std::size_t kStill = 10;         // views of a board that lies still
+constexpr std::size_t kStillViews = 10;    // views of a board that lies still
 
 std::uint64_t between(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
 
@@ -204,7 +204,7 @@ std::size_t RigSession::most_views() const { return sees_light() ? kMostLights :
 
 bool RigSession::is_new(const std::vector<SharedView>& kept, const View& view) const {
   const Observation& now = view.observation;
-  if (settings_.options.mode == RigMode::kFloor && kept.size() < kStill) return true;
+  if (settings_.options.mode == RigMode::kFloor && kept.size() < kStillViews) return true;
   return std::ranges::none_of(kept, [&](const SharedView& other) {
     const auto distance = mean_distance(other->observation, now);
     return distance && *distance < kNewPlace * now.image_size.width;

@@ -15,7 +15,7 @@ namespace calvin {
 
 namespace {
 
-constexpr double kSamePlace = 1e-6;  // m
+constexpr double kSameDot = 1e-6;  // m
 
 // The places of all cameras' points, each once.
 class World {
@@ -36,7 +36,7 @@ class World {
 
  private:
   static bool is_at(const PointBoard::Dot& dot, const Eigen::Vector3d& place) {
-    return (Eigen::Vector3d(dot.x, dot.y, dot.z) - place).norm() < kSamePlace;
+    return (Eigen::Vector3d(dot.x, dot.y, dot.z) - place).norm() < kSameDot;
   }
 
   std::vector<PointBoard::Dot> dots_;

@@ -9,24 +9,10 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/geometry/pixels.hpp"
 #include "calvin/session/views/corner_motion.hpp"
 
 namespace calvin {
-
-namespace {
-
-Pixel center_of(const Observation& seen) {
-  Pixel center;
-  for (const Pixel& at : seen.uv) {
-    center.u += at.u / static_cast<double>(seen.uv.size());
-    center.v += at.v / static_cast<double>(seen.uv.size());
-  }
-  return center;
-}
-
-double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
-
-}  // namespace
 
 double view_distance(const View& a, const View& b) {
   const Observation& from = a.observation;
@@ -43,7 +29,7 @@ double view_distance(const View& a, const View& b) {
   }
   const CornerMotion moved = corner_motion(from, to);
   const bool alike = 2 * moved.shared >= std::max(from.ids.size(), to.ids.size());
-  return alike ? std::max(moved.all, distance(center_of(from), center_of(to))) : HUGE_VAL;
+  return alike ? std::max(moved.all, distance(mean_of(from.uv), mean_of(to.uv))) : HUGE_VAL;
 }
 
 double ViewSpacing::distance_below(double relevant, const Spaced& a, const Spaced& b) {
@@ -69,7 +55,7 @@ void ViewSpacing::add(const std::shared_ptr<const View>& view) {
   Spaced added;
   added.view = view;
   added.distance = HUGE_VAL;
-  added.center = center_of(view->observation);
+  added.center = mean_of(view->observation.uv);
   // The last frames are mostly the nearest, after which the others need no second look.
   for (auto it = views_.rbegin(); it != views_.rend(); ++it) {
     Spaced& other = *it;

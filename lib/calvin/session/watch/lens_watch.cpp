@@ -85,14 +85,14 @@ std::vector<Notice> LensWatch::see(const Result<LensState>& read) {
 }
 
 std::optional<Notice> LensWatch::wait_for_answer() {
-  constexpr int kPatience = 5;  // s: the drivers of USB cameras themselves give up after that
-  if (++unanswered_ < kPatience || std::exchange(unreadable_, true)) return std::nullopt;
+  constexpr int kLongestSilence = 5;  // s: the drivers of USB cameras themselves give up after that
+  if (++unanswered_ < kLongestSilence || std::exchange(unreadable_, true)) return std::nullopt;
   return warning(
       ErrorCode::kIo,
       fmt::format("The camera '{}' has not told its focus for {} s: its driver waits for "
                   "it. Unplug the camera and plug it in again; dmesg may tell more. The "
                   "session goes on without it.",
-                  node_, kPatience));
+                  node_, kLongestSilence));
 }
 
 std::optional<Notice> LensWatch::autofocus_notice() {

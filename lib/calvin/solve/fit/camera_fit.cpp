@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "calvin/solve/fit/fit_steps.hpp"
-#include "calvin/solve/start/least_squares.hpp"
+#include "calvin/solve/start/bundle_adjustment.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
 #include "calvin/solve/start/start_search.hpp"
 
@@ -37,9 +37,9 @@ class FitRun {
          const Parameterization& parameterization, const SolveOptions& options,
          const std::stop_token& stop)
       : views_(views_of(std::move(views), shape)),
-        least_squares_(parameterization, size, stop),
-        search_(least_squares_, parameterization, shape, size),
-        steps_(views_, shape, parameterization, options, least_squares_, search_) {
+        adjustment_(parameterization, size, stop),
+        search_(adjustment_, parameterization, shape, size),
+        steps_(views_, shape, parameterization, options, adjustment_, search_) {
     for (const FitView& view : views_) all_.push_back(&view);
   }
 
@@ -48,9 +48,9 @@ class FitRun {
     FitState state;
     if (std::isfinite(quick.scale)) state = steps_.solve_from(std::move(quick), kNearLambda);
     keep_rival(state);
-    if (!sure(state) && !least_squares_.cancelled()) state = best_of_starts(std::move(state));
+    if (!sure(state) && !adjustment_.cancelled()) state = best_of_starts(std::move(state));
     if (state.converged && all_.size() < kFewViews) state = best_of_tilts(std::move(state));
-    if (!least_squares_.cancelled()) return finish(std::move(state));
+    if (!adjustment_.cancelled()) return finish(std::move(state));
     Fit fit;
     fit.cancelled = true;
     return fit;
@@ -84,7 +84,7 @@ class FitRun {
       starts.resize(kPlenty);
     }
     for (Candidate& start : starts) {
-      if (least_squares_.cancelled()) break;
+      if (adjustment_.cancelled()) break;
       FitState state = steps_.solve_from(std::move(start), kFarLambda);
       keep_rival(state);
       if (better(state, best)) best = std::move(state);
@@ -96,7 +96,7 @@ class FitRun {
   // Tries the mirrored tilt of each view: a board that is small or hardly tilted fits nearly as
   // well in it, and few views do not tell which pose is wrong.
   FitState best_of_tilts(FitState best) {
-    for (std::size_t v = 0; v < views_.size() && !least_squares_.cancelled(); ++v) {
+    for (std::size_t v = 0; v < views_.size() && !adjustment_.cancelled(); ++v) {
       if (!best.used[v] || !mirrored_fits(best, v)) continue;
       Estimate start = best.at;
       start.poses[v] = mirrored_tilt(views_[v].set, *start.poses[v]);
@@ -110,7 +110,7 @@ class FitRun {
   // Whether a view fits not much worse in the mirrored tilt, before the same camera.
   [[nodiscard]] bool mirrored_fits(const FitState& state, std::size_t v) const {
     const double much_worse = sure(state) ? 3 : 10;  // ratio of the costs
-    const auto camera = least_squares_.camera(state.at.shared);
+    const auto camera = adjustment_.camera(state.at.shared);
     const auto fit = camera ? fit_pose(state.views[v]->set, *camera, Loss{}) : std::nullopt;
     return fit && fit->other_cost < much_worse * fit->cost;
   }
@@ -127,7 +127,7 @@ class FitRun {
   // Takes the result apart; the run is over.
   Fit finish(FitState state) {
     Fit fit;
-    fit.iterations = least_squares_.iterations();
+    fit.iterations = adjustment_.iterations();
     state.used.resize(views_.size(), false);
     std::size_t corner = 0;  // index among the corners of all views
     for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -167,7 +167,7 @@ class FitRun {
 
   std::vector<FitView> views_;
   std::vector<const FitView*> all_;
-  LeastSquares least_squares_;
+  BundleAdjustment adjustment_;
   StartSearch search_;
   FitSteps steps_;
   std::vector<Rival> optima_;  // what the starts led to

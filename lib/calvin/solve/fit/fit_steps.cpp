@@ -21,7 +21,7 @@ constexpr double kTolerance = 1e-13;
 
 // A predicted decrease, in variances of a corner: the square of 1e-3 sigma, so that a step with a
 // smaller decrease moves no parameter by more than that.
-constexpr double kSmall = 1e-6;
+constexpr double kSmallDecrease = 1e-6;
 
 // The median of as many values is as good as that of all.
 constexpr std::size_t kMany = 4096;
@@ -60,12 +60,12 @@ bool better(const FitState& a, const FitState& b) {
 
 FitSteps::FitSteps(const std::vector<FitView>& views, const BoardShape& shape,
                    const Parameterization& parameterization, const SolveOptions& options,
-                   LeastSquares& least_squares, const StartSearch& search)
+                   BundleAdjustment& adjustment, const StartSearch& search)
     : views_(views),
       shape_(shape),
       parameterization_(parameterization),
       options_(options),
-      least_squares_(least_squares),
+      adjustment_(adjustment),
       search_(search) {
   for (const FitView& view : views) all_.push_back(&view);
 }
@@ -75,7 +75,7 @@ FitState FitSteps::solve_from(Estimate start, double lambda) {
       fit_inliers(options_.reject_outliers ? robust_fit(std::move(start), lambda)
                                            : Judgement{std::move(start), all_corners(), false, {}},
                   lambda);
-  return least_squares_.cancelled() ? std::move(state) : measured(std::move(state));
+  return adjustment_.cancelled() ? std::move(state) : measured(std::move(state));
 }
 
 FitState FitSteps::solve_for(Estimate start, const std::vector<ViewMask>& masks, double lambda) {
@@ -117,7 +117,7 @@ double FitSteps::focal_sigma(const FitState& state, const Eigen::MatrixXd& inver
 // Whether every corner in use has a projection: a rational lens may have a pole between two
 // corners.
 bool FitSteps::sees_corners(const FitState& state) const {
-  const auto camera = least_squares_.camera(state.at.shared);
+  const auto camera = adjustment_.camera(state.at.shared);
   if (!camera) return false;
   for (std::size_t v = 0; v < views_.size(); ++v) {
     if (!state.used[v]) continue;
@@ -142,9 +142,9 @@ std::vector<ViewMask> FitSteps::all_corners() const {
 // Finds outliers. Huber's loss bounds the pull of each corner whatever the start; Cauchy's loss
 // then takes the pull of gross ones away.
 FitSteps::Judgement FitSteps::robust_fit(Estimate at, double lambda) {
-  if (least_squares_.cancelled()) return {};
+  if (adjustment_.cancelled()) return {};
   at = robust_step(std::move(at), Loss::Kind::kHuber, 1e-5, lambda);
-  if (least_squares_.cancelled()) return {};
+  if (adjustment_.cancelled()) return {};
   Judgement judged = judge(std::move(at));
   if (!any_outlier(judged.masks)) return judged;
   at = robust_step(std::move(judged.at), Loss::Kind::kHuber, 1e-8, lambda);
@@ -157,7 +157,7 @@ std::vector<std::vector<double>> FitSteps::distances(const Estimate& at) {
   std::vector<std::vector<double>> of_views;
   of_views.reserve(views_.size());
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    of_views.push_back(least_squares_.distances(views_[v], at.shared, at.poses[v]));
+    of_views.push_back(adjustment_.distances(views_[v], at.shared, at.poses[v]));
   }
   return of_views;
 }
@@ -172,7 +172,7 @@ double FitSteps::rough_scale(const Estimate& at) {
       std::min(corners / kEnough + 1, std::max<std::size_t>(views_.size() / kEnoughViews, 1));
   std::vector<double> some;
   for (std::size_t v = 0; v < views_.size(); v += step) {
-    const auto d = least_squares_.distances(views_[v], at.shared, at.poses[v]);
+    const auto d = adjustment_.distances(views_[v], at.shared, at.poses[v]);
     some.insert(some.end(), d.begin(), d.end());
   }
   return robust_scale(std::move(some));
@@ -183,7 +183,7 @@ Estimate FitSteps::robust_step(Estimate at, Loss::Kind kind, double tolerance, d
   // there as they would be after another one; the final least squares goes on from it anyway.
   constexpr double kNear = 0.05;
   const Loss loss{kind, 2.5 * rough_scale(at)};
-  return least_squares_
+  return adjustment_
       .minimise_over(all_, std::move(at), parameterization_.basis, loss,
                      {options_.max_iterations, tolerance, kNear, lambda})
       .at;
@@ -196,12 +196,12 @@ FitSteps::Judgement FitSteps::judge(Estimate at) {
   Poses& poses = result.at.poses;
   result.distances = distances(result.at);
   result.masks = find_outliers(result.distances);
-  const auto camera = least_squares_.camera(result.at.shared);
-  for (std::size_t v = 0; camera && v < views_.size() && !least_squares_.cancelled(); ++v) {
+  const auto camera = adjustment_.camera(result.at.shared);
+  for (std::size_t v = 0; camera && v < views_.size() && !adjustment_.cancelled(); ++v) {
     if (poses[v] && (result.masks[v].view || !options_.reject_outliers)) continue;
     const auto fit = fit_pose(views_[v].set, *camera, {Loss::Kind::kHuber, 1});
     if (!fit) continue;
-    auto fresh = least_squares_.distances(views_[v], result.at.shared, fit->camera_from_board);
+    auto fresh = adjustment_.distances(views_[v], result.at.shared, fit->camera_from_board);
     if (!(robust_scale(fresh) < 0.99 * robust_scale(result.distances[v]))) continue;
     poses[v] = fit->camera_from_board;
     result.distances[v] = std::move(fresh);
@@ -215,7 +215,7 @@ FitSteps::Judgement FitSteps::judge(Estimate at) {
 FitState FitSteps::fit_inliers(Judgement start, double lambda) {
   constexpr int kRounds = 4;
   FitState state;
-  for (int round = 0; round < kRounds && !least_squares_.cancelled(); ++round) {
+  for (int round = 0; round < kRounds && !adjustment_.cancelled(); ++round) {
     state = solve_masked(std::move(start.at), std::move(start.masks), lambda);
     if (!state.problem || round + 1 == kRounds) break;
     const bool all_posed = std::all_of(state.at.poses.begin(), state.at.poses.end(),
@@ -258,12 +258,12 @@ FitState FitSteps::solve_masked(Estimate at, std::vector<ViewMask> masks, double
   // The basin of a rich lens is long and bent: one run of the iteration may end half way.
   const int runs = search_.is_rich() ? 3 : 1;
   for (int run_number = 0; run_number < runs; ++run_number) {
-    Minimum found = least_squares_.minimise_over(
-        views, std::move(state.at), parameterization_.basis, Loss{}, final_options(views, lambda));
+    Minimum found = adjustment_.minimise_over(views, std::move(state.at), parameterization_.basis,
+                                              Loss{}, final_options(views, lambda));
     state.at = std::move(found.at);
     state.problem = std::move(found.problem);
     state.converged = found.converged;
-    if (!state.problem || state.converged || least_squares_.cancelled()) break;
+    if (!state.problem || state.converged || adjustment_.cancelled()) break;
   }
   state.used.assign(views_.size(), false);
   for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -276,7 +276,7 @@ LmOptions FitSteps::final_options(const std::vector<const FitView*>& views, doub
   std::size_t corners = 0;
   for (const FitView* view : views) corners += view == nullptr ? 0 : view->points.count();
   const double residuals = std::max(1.0, 2 * static_cast<double>(corners));
-  return {options_.max_iterations, kTolerance, kSmall / residuals, lambda};
+  return {options_.max_iterations, kTolerance, kSmallDecrease / residuals, lambda};
 }
 
 }  // namespace calvin

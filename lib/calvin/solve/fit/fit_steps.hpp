@@ -14,7 +14,7 @@
 #include "calvin/solve/options.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/outliers.hpp"
-#include "calvin/solve/start/least_squares.hpp"
+#include "calvin/solve/start/bundle_adjustment.hpp"
 #include "calvin/solve/start/start_search.hpp"
 
 namespace calvin {
@@ -48,7 +48,7 @@ class FitSteps {
   // Whatever is referred to must outlive the steps and the states that they return.
   FitSteps(const std::vector<FitView>& views, const BoardShape& shape,
            const Parameterization& parameterization, const SolveOptions& options,
-           LeastSquares& least_squares, const StartSearch& search);
+           BundleAdjustment& adjustment, const StartSearch& search);
 
   // The optimum that a start leads to, its outliers left out; once cancelled, some state before.
   [[nodiscard]] FitState solve_from(Estimate start, double lambda);
@@ -85,7 +85,7 @@ class FitSteps {
   const BoardShape& shape_;
   const Parameterization& parameterization_;
   const SolveOptions& options_;
-  LeastSquares& least_squares_;
+  BundleAdjustment& adjustment_;
   const StartSearch& search_;
 };
 

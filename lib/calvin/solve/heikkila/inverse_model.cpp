@@ -19,7 +19,7 @@ namespace calvin {
 
 namespace {
 
-constexpr int kRounds = 8;  // of linear least squares with the weights of the last one
+constexpr int kReweightings = 8;  // of linear least squares with the weights of the last one
 
 // A place of the image: seen, and without distortion, in focal lengths.
 struct Sample {
@@ -166,7 +166,7 @@ std::optional<FittedInverse> inverse_of(const Camera& camera, InverseTerms terms
   const auto between = samples_of(camera, fit.model, 57, 43);
   if (!samples || !between) return std::nullopt;
   const bool all = terms == InverseTerms::kEight;
-  for (int i = 0; i < (all ? kRounds : 1); ++i) {
+  for (int i = 0; i < (all ? kReweightings : 1); ++i) {
     fit.model.a = fitted(*samples, fit.model, all ? 8 : 4);
   }
   for (const Sample& p : *between) {

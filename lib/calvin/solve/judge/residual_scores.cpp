@@ -15,7 +15,7 @@ namespace calvin {
 
 namespace {
 
-constexpr std::size_t kAxes = 2;  // of a board, in its plane
+constexpr std::size_t kPlaneAxes = 2;  // of a board, in its plane
 
 // The image in parts of about as many corners, along a side of `extent` of an image whose sides are
 // as `aspect`.
@@ -69,7 +69,7 @@ ResidualScores::ResidualScores(const Fit& fit, ImageSize size, double residuals)
       down_(parts_along(residuals, 1 / aspect_of(size))),
       first_(first_corners(fit)),
       picture_shared_(2 * static_cast<std::size_t>(across_ * down_)),
-      board_shared_(kAxes * corners()),
+      board_shared_(kPlaneAxes * corners()),
       board_bent_(corners()) {}
 
 Scores ResidualScores::picture() const {
@@ -102,11 +102,12 @@ std::size_t ResidualScores::part_of(Pixel at) const {
 }
 
 void ResidualScores::add(const PointSet& view, const Eigen::Matrix3d& rotation, ViewRows& rows) {
-  constexpr int kTranslation = 3;  // the first column of a pose's translation
+  constexpr int kFirstOfTranslation = 3;  // the first column of a pose's translation
   const std::size_t group = views_++;
   // A column is the u of all corners, then the v.
   const double* residual = rows.u(RowLayout::kResidual);
-  const double* by[3] = {rows.u(kTranslation), rows.u(kTranslation + 1), rows.u(kTranslation + 2)};
+  const double* by[3] = {rows.u(kFirstOfTranslation), rows.u(kFirstOfTranslation + 1),
+                         rows.u(kFirstOfTranslation + 2)};
   std::size_t at = 0;
   for (std::size_t i = 0; i < view.size(); ++i) {
     const double w = view.weight[i];
@@ -124,9 +125,9 @@ void ResidualScores::add(const PointSet& view, const Eigen::Matrix3d& rotation, 
       information += along.cwiseAbs2();
     }
     const std::size_t corner = first_[view.board] + static_cast<std::size_t>(view.ids[i]);
-    for (std::size_t k = 0; k < kAxes; ++k) {
+    for (std::size_t k = 0; k < kPlaneAxes; ++k) {
       const auto axis = static_cast<Eigen::Index>(k);
-      board_shared_.add(group, kAxes * corner + k, score[axis], information[axis]);
+      board_shared_.add(group, kPlaneAxes * corner + k, score[axis], information[axis]);
     }
     board_bent_.add(group, corner, score[2], information[2]);
     ++at;

@@ -21,7 +21,7 @@ namespace calvin {
 
 namespace {
 
-tl::unexpected<Error> refused(std::string why) {
+tl::unexpected<Error> no_bakstein_camera(std::string why) {
   return make_error(ErrorCode::kDegenerate,
                     fmt::format("Bakstein's method finds no camera: {}.", why));
 }
@@ -103,9 +103,10 @@ Result<MethodResult> bakstein_method(const MethodInput& input) {
   constexpr double kLess = 1e-6;  // of the error
   const auto planes = plane_views(input, "Bakstein's method");
   if (!planes) return tl::unexpected<Error>(planes.error());
-  if (input.views.size() < 2) return refused("it takes two views of a plane and more");
+  if (input.views.size() < 2) return no_bakstein_camera("it takes two views of a plane and more");
   auto best = turn_of(input, *planes, first_camera(*planes, input.size));
-  if (!best) return refused("a view has no pose before a camera that looks through its centre");
+  if (!best)
+    return no_bakstein_camera("a view has no pose before a camera that looks through its centre");
   for (int i = 0; i < kMostTurns; ++i) {
     const auto k = camera_of(input, *planes, best->poses);
     auto next = k ? turn_of(input, *planes, *k) : std::nullopt;

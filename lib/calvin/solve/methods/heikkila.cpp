@@ -23,7 +23,7 @@ namespace calvin {
 
 namespace {
 
-tl::unexpected<Error> refused(std::string_view why) {
+tl::unexpected<Error> no_heikkila_camera(std::string_view why) {
   return make_error(ErrorCode::kDegenerate,
                     fmt::format("Heikkila's method finds no camera: {}.", why));
 }
@@ -78,7 +78,7 @@ Result<MethodResult> heikkila_method(const MethodInput& input) {
   if (flat.size() == input.views.size()) {
     const auto unit = camera_of_planes(*planes, input.size);
     if (!unit) {
-      return refused(
+      return no_heikkila_camera(
           "the planes are seen head-on, which tells no focal length: tilt them, to the left, to "
           "the right, up and down, or give points in space");
     }
@@ -94,7 +94,7 @@ Result<MethodResult> heikkila_method(const MethodInput& input) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!poses[i]) {
       poses[i] = pose_from_homography(ray_from_unit * planes->homographies[next]);
-      if (!poses[i]) return refused(fmt::format("view {} has no pose", i));
+      if (!poses[i]) return no_heikkila_camera(fmt::format("view {} has no pose", i));
       poses[i] = *poses[i] * planes->plane_from_board[next++];
     }
     result.camera_from_board.push_back(*poses[i]);

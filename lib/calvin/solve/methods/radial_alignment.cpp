@@ -24,8 +24,8 @@ using Points = std::vector<CenteredPoint>;
 
 // The least-squares solution of rows x = right, with columns brought to one length. Absent where
 // the rows do not determine it.
-std::optional<Eigen::VectorXd> least_squares(const Eigen::MatrixXd& rows,
-                                             const Eigen::VectorXd& right) {
+std::optional<Eigen::VectorXd> unique_solution(const Eigen::MatrixXd& rows,
+                                               const Eigen::VectorXd& right) {
   constexpr double kLeast = 1e-10;  // of the eigenvalues
   const Eigen::VectorXd scale = rows.colwise().norm().transpose();
   if (!(scale.minCoeff() > 0)) return std::nullopt;
@@ -81,7 +81,7 @@ std::optional<Alignment> align_plane(const Points& seen) {
     rows.row(i) << at.y() * w.x(), at.y() * w.y(), at.y(), -at.x() * w.x(), -at.x() * w.y();
     right[i] = at.x();
   }
-  const auto u = least_squares(rows, right);
+  const auto u = unique_solution(rows, right);
   if (!u) return std::nullopt;
   Eigen::Matrix2d block;
   block << (*u)[0], (*u)[1], (*u)[3], (*u)[4];
@@ -108,7 +108,7 @@ std::optional<Alignment> align_space(const Points& seen) {
     rows.row(i) << at.y() * w.transpose(), at.y(), -at.x() * w.transpose();
     right[i] = at.x();
   }
-  const auto u = least_squares(rows, right);
+  const auto u = unique_solution(rows, right);
   if (!u) return std::nullopt;
   const double ty = 1 / u->segment<3>(4).norm();
   Alignment result;
@@ -149,7 +149,7 @@ std::optional<FocalAndDepth> focal_and_depth(const Points& seen, const Eigen::Ma
     right[2 * i] = c.z() * at.x() / sx;
     right[2 * i + 1] = c.z() * at.y();
   }
-  const auto x = least_squares(rows, right);
+  const auto x = unique_solution(rows, right);
   if (!x) return std::nullopt;
   return FocalAndDepth{(*x)[0], (*x)[1]};
 }

@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kOfHomography = 8;  // its last number is 1
 
-tl::unexpected<Error> refused(std::string why) {
+tl::unexpected<Error> no_distortion(std::string why) {
   return make_error(ErrorCode::kDegenerate,
                     fmt::format("The method discorpy finds no distortion: {}.", why));
 }
@@ -298,10 +298,10 @@ Result<RadialPlanes> fit_radial_planes(std::span<const PointSet> views,
     found = improve(flat, size, model, planes, problem);
     if (found && (!reject_outliers || leave_out(flat, *problem, planes) == 0)) break;
   }
-  if (!found) return refused("a plane has no place before the camera");
+  if (!found) return no_distortion("a plane has no place before the camera");
   const auto covariance = problem->covariance();
   if (!covariance) {
-    return refused(
+    return no_distortion(
         "there are too few points, or the lens bends lines too little to tell about which centre: "
         "give more points, fix the center or take a model with fewer coefficients");
   }

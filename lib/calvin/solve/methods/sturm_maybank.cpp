@@ -21,7 +21,7 @@ namespace {
 
 using Vector4 = Eigen::Vector4d;
 
-tl::unexpected<Error> refused(std::string why) {
+tl::unexpected<Error> no_sturm_maybank_camera(std::string why) {
   return make_error(ErrorCode::kDegenerate,
                     fmt::format("Sturm and Maybank's method finds no camera: {}.", why));
 }
@@ -33,7 +33,7 @@ struct Equation {
 };
 
 // h_i^T w h_j, with w12 = 0: the pixels are not oblique.
-Equation product(const Eigen::Matrix3d& h, int i, int j) {
+Equation columns_product(const Eigen::Matrix3d& h, int i, int j) {
   Equation e;
   e.shared << h(0, i) * h(0, j), h(1, i) * h(1, j), h(0, i) * h(2, j) + h(2, i) * h(0, j),
       h(1, i) * h(2, j) + h(2, i) * h(1, j);
@@ -51,9 +51,9 @@ struct ViewEquations {
     const double norm =
         homography.col(0).head<2>().squaredNorm() + homography.col(1).head<2>().squaredNorm();
     const Eigen::Matrix3d h = homography / std::sqrt(norm);
-    orthogonal = product(h, 0, 1);
-    const Equation first = product(h, 0, 0);
-    const Equation second = product(h, 1, 1);
+    orthogonal = columns_product(h, 0, 1);
+    const Equation first = columns_product(h, 0, 0);
+    const Equation second = columns_product(h, 1, 1);
     equal = {first.shared - second.shared, first.own - second.own};
   }
   // How much the view tells of its focal length: about half the squared sine of its tilt, over the
@@ -97,7 +97,7 @@ Result<Vector4> shared_numbers(const std::vector<ViewEquations>& views, const Me
   const Unknowns unknowns(known);
   const Eigen::Index count = unknowns.shared_from_unknown.cols();
   if (static_cast<Eigen::Index>(views.size()) < count - 1) {
-    return refused(
+    return no_sturm_maybank_camera(
         fmt::format("it takes {} views of a plane, {} given; fewer where the aspect and "
                     "the centre are known (--fix aspect,center)",
                     count - 1, views.size()));
@@ -112,7 +112,7 @@ Result<Vector4> shared_numbers(const std::vector<ViewEquations>& views, const Me
   const bool open =
       count > 1 && !(eigen && eigen->values[1] > kSingular * eigen->values[count - 1]);
   if (!eigen || open) {
-    return refused(
+    return no_sturm_maybank_camera(
         "the views leave the principal point or the aspect open: tilt the plane to the left, to "
         "the "
         "right, up and down, or hold them (--fix aspect,center)");
@@ -120,7 +120,7 @@ Result<Vector4> shared_numbers(const std::vector<ViewEquations>& views, const Me
   Vector4 w = unknowns.shared_from_unknown * eigen->vectors.col(0);
   w /= w[0];
   if (!w.allFinite() || !(w[1] > 0)) {
-    return refused(
+    return no_sturm_maybank_camera(
         "no camera sees planes so: tilt them more, or hold the aspect and the centre (--fix "
         "aspect,center)");
   }
@@ -138,7 +138,7 @@ Result<ZoomingPinhole> sturm_maybank(const MethodInput& input) {
   for (std::size_t v = 0; v < planes->homographies.size(); ++v) {
     views.emplace_back(planes->homographies[v]);
     if (views.back().strength() > kParallel) continue;
-    return refused(fmt::format(
+    return no_sturm_maybank_camera(fmt::format(
         "the plane of view {} is parallel to the image, which tells no focal length: tilt it", v));
   }
   const auto w = shared_numbers(views, input);
@@ -159,7 +159,7 @@ Result<ZoomingPinhole> sturm_maybank(const MethodInput& input) {
 }
 
 Error no_focal_length(std::size_t view) {
-  return refused(
+  return no_sturm_maybank_camera(
              fmt::format("no lens sees the plane of view {} so: it is hardly tilted, or the lens "
                          "bends it too much; tilt it by 20 degrees and more",
                          view))

@@ -22,7 +22,7 @@ namespace calvin {
 
 namespace {
 
-tl::unexpected<Error> refused(std::string why) {
+tl::unexpected<Error> no_zhang_camera(std::string why) {
   return make_error(ErrorCode::kDegenerate,
                     fmt::format("Zhang's method finds no camera: {}.", why));
 }
@@ -113,19 +113,19 @@ Result<MethodResult> zhang_method(const MethodInput& input) {
                        (input.centered ? 2 : 0) - (input.square ? 1 : 0);
   const auto least = static_cast<std::size_t>((unknowns + 1) / 2);
   if (input.views.size() < least) {
-    return refused(fmt::format("it takes {} views of a plane for {} unknowns, {} given", least,
-                               unknowns, input.views.size()));
+    return no_zhang_camera(fmt::format("it takes {} views of a plane for {} unknowns, {} given",
+                                       least, unknowns, input.views.size()));
   }
   const auto unit = camera_of(planes->homographies, input);
   if (!unit) {
-    return refused(
+    return no_zhang_camera(
         "the views leave it open, or no camera sees a plane so: tilt it differently in every view, "
         "to the left, to the right, up and down");
   }
   std::vector<SE3> poses;
   for (std::size_t v = 0; v < planes->homographies.size(); ++v) {
     const auto pose = pose_from_homography(unit->inverse() * planes->homographies[v]);
-    if (!pose) return refused(fmt::format("view {} has no pose", v));
+    if (!pose) return no_zhang_camera(fmt::format("view {} has no pose", v));
     poses.push_back(*pose * planes->plane_from_board[v]);
   }
   const Eigen::Matrix3d k = in_pixels(*unit, input.size);

@@ -34,7 +34,7 @@ constexpr LmOptions kRough = {8, 1e-2, 1e-2, 1e-6};
 constexpr int kPlainLens = 5;
 
 // Robust scale, in image widths, from which on a start is in the wrong basin.
-constexpr double kFar = 1e-3;
+constexpr double kWrongBasin = 1e-3;
 // Times the best scale: a start with a larger scale is not followed.
 constexpr double kHopeless = 4;
 
@@ -83,7 +83,7 @@ bool nearer(const Candidate& a, const Candidate& b) { return a.scale < b.scale; 
 
 }  // namespace
 
-bool StartSearch::is_far(double scale) const { return !(scale < kFar * size_.width); }
+bool StartSearch::is_far(double scale) const { return !(scale < kWrongBasin * size_.width); }
 
 bool StartSearch::is_rich() const { return coefficients() > kPlainLens; }
 
@@ -104,11 +104,11 @@ Candidate StartSearch::quick(const Views& views) {
   Candidate best = parameterization_.lens.perspective ? by_closed_form(sample.views())
                                                       : by_focal_lengths(sample.views());
   if (!std::isfinite(best.scale)) return {};
-  const auto camera = least_squares_.camera(best.shared);
+  const auto camera = adjustment_.camera(best.shared);
   if (!camera) return {};
   const CameraPoints points(*camera);
   best.poses.assign(views.size(), std::nullopt);
-  for (std::size_t v = 0; v < views.size() && !least_squares_.cancelled(); ++v) {
+  for (std::size_t v = 0; v < views.size() && !adjustment_.cancelled(); ++v) {
     const PointSet few = thinned(views[v]->set, kPoseCorners);
     best.poses[v] = start_pose(few, rays_of(few, points));
   }
@@ -165,7 +165,7 @@ std::vector<Candidate> StartSearch::thorough(const Views& views) {
       return same_camera(c, other, parameterization_.table);
     };
     if (std::any_of(distinct.begin(), distinct.end(), is_same)) continue;
-    if (sample.size() < views.size()) c.poses = least_squares_.poses_for(c.shared, views);
+    if (sample.size() < views.size()) c.poses = adjustment_.poses_for(c.shared, views);
     distinct.push_back(std::move(c));
   }
   return distinct;
@@ -214,8 +214,8 @@ std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, c
                                             std::size_t trials) {
   const Thinned few(sample, shape_);
   for (Candidate& c : candidates) {
-    if (least_squares_.cancelled()) return {};
-    c.poses = least_squares_.poses_for(c.shared, few.views());
+    if (adjustment_.cancelled()) return {};
+    c.poses = adjustment_.poses_for(c.shared, few.views());
     c.scale = scale_of(c, few.views());
   }
   std::sort(candidates.begin(), candidates.end(), nearer);
@@ -287,7 +287,7 @@ Candidate StartSearch::minimised(Candidate c, const Views& sample, const Eigen::
                                  const LmOptions& options, const Priors& priors) {
   const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
   Candidate result = {
-      least_squares_.minimise_over(sample, std::move(c), basis, loss, options, priors).at};
+      adjustment_.minimise_over(sample, std::move(c), basis, loss, options, priors).at};
   result.scale = scale_of(result, sample);
   return result;
 }
@@ -318,7 +318,7 @@ StartSearch::Priors StartSearch::small(double sigma) const {
 double StartSearch::scale_of(const Candidate& c, const Views& views) {
   std::vector<double> all;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const auto d = least_squares_.distances(*views[v], c.shared, c.poses[v]);
+    const auto d = adjustment_.distances(*views[v], c.shared, c.poses[v]);
     all.insert(all.end(), d.begin(), d.end());
   }
   return robust_scale(std::move(all));

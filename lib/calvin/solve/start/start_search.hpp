@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "calvin/solve/start/bundle_adjustment.hpp"
 #include "calvin/solve/start/camera_guess.hpp"
-#include "calvin/solve/start/least_squares.hpp"
 
 namespace calvin {
 
@@ -23,12 +23,9 @@ class StartSearch {
  public:
   using Views = std::vector<const FitView*>;
 
-  StartSearch(LeastSquares& least_squares, const Parameterization& parameterization,
+  StartSearch(BundleAdjustment& adjustment, const Parameterization& parameterization,
               const BoardShape& shape, ImageSize size)
-      : least_squares_(least_squares),
-        parameterization_(parameterization),
-        shape_(shape),
-        size_(size) {}
+      : adjustment_(adjustment), parameterization_(parameterization), shape_(shape), size_(size) {}
 
   // Shared unknowns and a pose for each view; the scale is infinite where nothing leads anywhere.
   //
@@ -77,7 +74,7 @@ class StartSearch {
   [[nodiscard]] std::vector<Eigen::MatrixXd> stages() const;
   [[nodiscard]] double scale_of(const Candidate& c, const Views& views);
 
-  LeastSquares& least_squares_;
+  BundleAdjustment& adjustment_;
   const Parameterization& parameterization_;
   const BoardShape& shape_;
   ImageSize size_;

@@ -72,7 +72,7 @@ int wrapped(int x) {
 }
 
 // A place of the map, and how sure it is.
-struct Place {
+struct MapPlace {
   PuzzleBoard board;
   double evidence = 0;  // nats
 };
@@ -87,10 +87,10 @@ bool is_located(const CodeOffset& offset) {
 }
 
 // The corners of a lattice as the part of the map that fits its bits best.
-Place best_place(std::span<const CodeBit> turned, const CellRange& cells, double size) {
+MapPlace best_place(std::span<const CodeBit> turned, const CellRange& cells, double size) {
   const CodeOffset across = best_offset(turned, 0);
   const CodeOffset down = best_offset(turned, 1);
-  Place place{{cells.cols(), cells.rows(), size}, 0};
+  MapPlace place{{cells.cols(), cells.rows(), size}, 0};
   if (!is_located(across) || !is_located(down)) return place;
   place.board.x0 = wrapped(with_remainders(down.at, across.line) + cells.first.col);
   place.board.y0 = wrapped(with_remainders(across.at, down.line) + cells.first.row);
@@ -108,7 +108,7 @@ Cell turned_cell(Cell c, int quarter) {
 std::optional<PuzzleBoard> locate_in_map(const Code& reader, std::span<const CodeBit> bits,
                                          const CellRange& extent, double size) {
   constexpr double kPlaces = 4.0 * PuzzleBoard::kMapSide * PuzzleBoard::kMapSide;
-  Place best;
+  MapPlace best;
   std::vector<CodeBit> turned(bits.begin(), bits.end());
   for (int quarter = 0; quarter < 4; ++quarter) {
     for (std::size_t i = 0; i < bits.size(); ++i) {
@@ -118,7 +118,7 @@ std::optional<PuzzleBoard> locate_in_map(const Code& reader, std::span<const Cod
     const Cell b = turned_cell(extent.last, quarter);
     const CellRange cells = {{std::min(a.col, b.col), std::min(a.row, b.row)},
                              {std::max(a.col, b.col), std::max(a.row, b.row)}};
-    const Place place = best_place(turned, cells, size);
+    const MapPlace place = best_place(turned, cells, size);
     if (place.evidence > best.evidence) best = place;
   }
   if (best.evidence < kLeastEvidence + std::log(kPlaces)) return std::nullopt;

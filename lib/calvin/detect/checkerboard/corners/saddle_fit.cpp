@@ -17,7 +17,7 @@ namespace calvin::detect {
 namespace {
 
 constexpr float kFewestPixels = 12;        // of a fit, by their weights
-constexpr float kLeastContrast = 3;        // grey levels
+constexpr float kLeastSwing = 3;           // grey levels
 constexpr float kLeastWidth = 0.2F;        // px
 constexpr float kLargestWidth = 8;         // px
 constexpr float kWidthPrior = 0.5F;        // 1 sigma of a step of a width's logarithm
@@ -28,7 +28,7 @@ constexpr float kGainTolerance = 0.05F;    // px, of a step
 constexpr float kWidthTolerance = 0.015F;  // of a step of its logarithm
 constexpr float kLongestTurn = 0.3F;       // rad, in a step
 constexpr float kDamping = 1e-3F;          // Levenberg's, of the diagonal
-constexpr float kFarthest = 0.6F;          // of the radius, from where the fit began
+constexpr float kMostDrift = 0.6F;         // of the radius, from where the fit began
 constexpr double kOffMiddle = 0.9;         // px, from where a window is gathered anew
 constexpr float kLeastSine = 0.15F;        // between the edges
 // A window takes pixels up to this far from an edge: kNearEdge widths of its blur, and as many px
@@ -247,7 +247,7 @@ bool Steps::take(bool last) {
   }
   size_ = StepSize(change_);
   apply();
-  return std::abs(x_) <= kFarthest * radius_ && std::abs(y_) <= kFarthest * radius_ &&
+  return std::abs(x_) <= kMostDrift * radius_ && std::abs(y_) <= kMostDrift * radius_ &&
          std::abs(cross(fit_.along, fit_.down)) >= kLeastSine;
 }
 
@@ -366,7 +366,7 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float tolera
   taken.finish();
   fit.x = middle_x + static_cast<double>(taken.x());
   fit.y = middle_y + static_cast<double>(taken.y());
-  return fit.swing() >= kLeastContrast && std::isfinite(fit.sigma);
+  return fit.swing() >= kLeastSwing && std::isfinite(fit.sigma);
 }
 
 }  // namespace
@@ -382,7 +382,7 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
   const auto off = [](double from, double to) { return std::abs(to - std::round(from)); };
   if (std::max(off(u, fit.x), off(v, fit.y)) < kOffMiddle) return true;
   return fit_in_window(image, radius, steps, tolerance, pixels, fit) &&
-         std::max(off(u, fit.x), off(v, fit.y)) <= static_cast<double>(kFarthest * radius);
+         std::max(off(u, fit.x), off(v, fit.y)) <= static_cast<double>(kMostDrift * radius);
 }
 
 }  // namespace calvin::detect

@@ -11,21 +11,13 @@
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/homography.hpp"
+#include "calvin/geometry/pixels.hpp"
 
 namespace calvin::detect {
 
 namespace {
 
 constexpr double kMostWithin = 0.25;  // of the nodes of another sheet, within the outline of one
-
-Pixel mean_of(const std::vector<Pixel>& points) {
-  Pixel mean;
-  for (const Pixel& p : points) {
-    mean.u += p.u / static_cast<double>(points.size());
-    mean.v += p.v / static_cast<double>(points.size());
-  }
-  return mean;
-}
 
 Pixel in_image(const Node& node, int level) {
   return {static_cast<double>(Pyramid::to_image(node.x, level)),
@@ -46,7 +38,7 @@ double off_lines(const Lattice& lattice, double place, bool is_col) {
 // further off than the board is long.
 bool goes_on_with(const Sheet& sheet, const Lattice& lattice, int level) {
   constexpr double kOff = 0.2;  // of the shorter step
-  constexpr double kMost = 0.8;
+  constexpr double kMostOnGrid = 0.8;
   const double most = kOff * static_cast<double>(sheet.lattice.surroundings().gap);
   std::vector<Pixel> cells;
   std::vector<Pixel> places;
@@ -68,7 +60,7 @@ bool goes_on_with(const Sheet& sheet, const Lattice& lattice, int level) {
         off_lines(sheet.lattice, at.u, true) < most && off_lines(sheet.lattice, at.v, false) < most;
     on_grid += near && is_on_grid ? 1 : 0;
   });
-  return on_grid > kMost * lattice.count();
+  return on_grid > kMostOnGrid * lattice.count();
 }
 
 }  // namespace

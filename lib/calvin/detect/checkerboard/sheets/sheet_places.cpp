@@ -6,17 +6,12 @@
 #include "calvin/detect/checkerboard/sheets/sheet_places.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
+#include "calvin/geometry/pixels.hpp"
+
 namespace calvin::detect {
-
-namespace {
-
-double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
-
-}  // namespace
 
 SheetPlaces::SheetPlaces(std::span<const std::size_t> wanted) : listed_(wanted.size()) {
   for (std::size_t board = 0; board < listed_; ++board) {

@@ -12,7 +12,7 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr float kLongestStep = 3;  // of the last step between two frames
+constexpr float kMostExtrapolation = 3;  // of the last step between two frames
 
 // The same corner with the edges named as the board's x and y run.
 Node turned(const Node& node, int quarter) {
@@ -26,7 +26,7 @@ float steps_ahead(std::uint64_t before, std::uint64_t last, std::uint64_t now) {
   if (before == kNoTimestamp || last == kNoTimestamp || now == kNoTimestamp) return 1;
   if (before >= last || last >= now) return 0;
   const auto ratio = static_cast<float>(now - last) / static_cast<float>(last - before);
-  return ratio <= kLongestStep ? ratio : 0;
+  return ratio <= kMostExtrapolation ? ratio : 0;
 }
 
 }  // namespace

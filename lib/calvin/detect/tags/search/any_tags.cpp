@@ -22,6 +22,7 @@
 #include "calvin/detect/tags/search/any_readers.hpp"
 #include "calvin/detect/tags/search/tag_spacing.hpp"
 #include "calvin/detect/tags/tag_fit.hpp"
+#include "calvin/geometry/median.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin::detect {
@@ -130,12 +131,6 @@ int most_frequent(const std::vector<int>& numbers) {
     most = std::max(most, count);
   }
   return best;
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // The next tag on a way, if it is one: 0 to the right, 1 below.

@@ -14,7 +14,7 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr double kLeastEvidence = 6;  // nats, of a sheet
+constexpr double kLeastSheetEvidence = 6;  // nats, of a sheet
 
 double least_gap(const std::vector<WantedTags>& boards) {
   const auto gap = [](const WantedTags& b) { return b.board.gap / b.board.tag; };
@@ -131,7 +131,7 @@ bool TagSearch::add_largest(const ImageView& image) {
   for (const SheetTag& t : best->sheet.tags()) tags_[*t.read].taken = true;
   // Of what is no board, nothing more is looked for.
   const double chances = std::log(static_cast<double>(rivals + 1));
-  if (best->sheet.evidence(tags_, reader_, quads_) < kLeastEvidence + chances) return true;
+  if (best->sheet.evidence(tags_, reader_, quads_) < kLeastSheetEvidence + chances) return true;
   best->sheet.complete(image, reader_);
   // Read as a tag of the sheet too far away from where the others let it be expected.
   for (ReadTag& tag : tags_) tag.taken = tag.taken || lies_on(best->sheet, tag.fit.corners);

@@ -10,13 +10,15 @@
 #include <cstddef>
 #include <utility>
 
+#include "calvin/geometry/median.hpp"
+
 namespace calvin::detect {
 
 namespace {
 
-constexpr std::size_t kFewest = 12;  // corners
-constexpr double kCertain = 5;       // sigmas, by which a corner is off
-constexpr int kDegree = 5;           // of what a lens leaves of a map
+constexpr std::size_t kFewestToCompare = 12;  // corners
+constexpr double kCertain = 5;                // sigmas, by which a corner is off
+constexpr int kDegree = 5;                    // of what a lens leaves of a map
 
 // A column of two numbers for each corner, without what a polynomial over the image has of it.
 class Column {
@@ -52,12 +54,6 @@ class Column {
   std::vector<Point> values_;
   int numbers_ = 0;
 };
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 // A growth that explains most of what is rough.
 struct Growth {
@@ -118,7 +114,7 @@ std::optional<bool> mark_off(std::vector<SheetCorner>& corners, const std::vecto
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!corners[i].is_off) usual.push_back(errors[i] / corners[i].sigma);
   }
-  if (usual.size() < kFewest) return std::nullopt;
+  if (usual.size() < kFewestToCompare) return std::nullopt;
   const double scale = std::max(median_of(std::move(usual)) / kMedian, 1.0);
   bool changed = false;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -148,7 +144,7 @@ double factor_of(const std::vector<SheetCorner>& corners, const std::vector<doub
 std::optional<CornerScatter> corner_scatter(std::vector<SheetCorner>& corners, const LensMap& map,
                                             double most) {
   constexpr int kRounds = 4;
-  if (corners.size() < kFewest) return std::nullopt;
+  if (corners.size() < kFewestToCompare) return std::nullopt;
   const std::vector<Point> off = distances_from(map, corners);
   CornerScatter scatter;
   std::vector<double> errors(corners.size());  // px

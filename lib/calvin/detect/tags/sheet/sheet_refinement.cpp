@@ -10,19 +10,9 @@
 
 #include "calvin/detect/tags/sheet/corner_scatter.hpp"
 #include "calvin/detect/tags/sheet/tag_sheet.hpp"
+#include "calvin/geometry/median.hpp"
 
 namespace calvin::detect {
-
-namespace {
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-}  // namespace
 
 // From the board, in sides of a tag, to the image; absent where few tags are seen.
 std::optional<LensMap> TagSheet::map(ImageSize size) const {
@@ -152,6 +142,7 @@ void TagSheet::drop_vague_corners() {
   for (const SheetTag& t : tags_) {
     std::ranges::copy_if(t.fit.sigma, std::back_inserter(sigmas), [](double s) { return s > 0; });
   }
+  if (sigmas.empty()) return;
   const double most = kVague * median_of(std::move(sigmas));
   for (SheetTag& t : tags_) {
     for (double& sigma : t.fit.sigma) sigma = sigma > most ? 0 : sigma;

@@ -168,15 +168,15 @@ bool TagSheet::take_if_seen(const ImageView& image, const TagReader& reader, Gri
 
 bool TagSheet::look_at(const ImageView& image, const TagReader& reader, GridPlace place,
                        const LensMap* map) {
-  constexpr double kReach = 0.08;   // of the shortest side
-  constexpr double kLeastSide = 8;  // px
+  constexpr double kReach = 0.08;      // of the shortest side
+  constexpr double kSmallestSide = 8;  // px
   const auto expected = map != nullptr ? image_of(*map, place) : expect(place);
   if (!expected ||
       std::ranges::none_of(*expected, [&](const Point& p) { return is_in(image, p); })) {
     return false;
   }
   const double side = shortest_side(*expected);
-  if (side < kLeastSide) return false;
+  if (side < kSmallestSide) return false;
   TagGuess guess{*expected, std::max(kReach * side, 1.0), unknown_bends(*expected), width()};
   if (map != nullptr) guess.bends = bends_of(*map, place, true);
   guess.care = SideCare::kRough;

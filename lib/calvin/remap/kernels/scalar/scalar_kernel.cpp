@@ -53,7 +53,7 @@ struct Word {
   Sum largest;
 };
 
-constexpr int kSteps = 1024;  // from a sample to the next, in tables of filter weights
+constexpr int kTableSteps = 1024;  // from a sample to the next, in tables of filter weights
 
 // The weights of a filter of `kTaps` taps at a coordinate between the middle two of them; they add
 // up to 1.
@@ -61,14 +61,14 @@ template <int kTaps>
 using Weights = std::array<float, kTaps>;
 
 template <int kTaps, typename Kernel>
-std::array<Weights<kTaps>, kSteps + 1> make_table(Kernel kernel) {
+std::array<Weights<kTaps>, kTableSteps + 1> make_table(Kernel kernel) {
   constexpr int kBefore = kTaps / 2 - 1;
-  std::array<Weights<kTaps>, kSteps + 1> table;
+  std::array<Weights<kTaps>, kTableSteps + 1> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
     std::array<double, kTaps> exact;
     double sum = 0;
     for (int k = 0; k < kTaps; ++k) {
-      sum += exact[k] = kernel(static_cast<double>(i) / kSteps - k + kBefore);
+      sum += exact[k] = kernel(static_cast<double>(i) / kTableSteps - k + kBefore);
     }
     for (int k = 0; k < kTaps; ++k) table[i][k] = static_cast<float>(exact[k] / sum);
   }
@@ -260,12 +260,13 @@ class Sampler {
   }
 
   template <std::size_t kTaps>
-  void filtered(double x, double y, const std::array<std::array<float, kTaps>, kSteps + 1>& table,
+  void filtered(double x, double y,
+                const std::array<std::array<float, kTaps>, kTableSteps + 1>& table,
                 std::uint8_t* out) const noexcept {
     const int column = static_cast<int>(std::floor(x));
     const int row = static_cast<int>(std::floor(y));
-    const auto& across = table[static_cast<std::size_t>(std::lrint((x - column) * kSteps))];
-    const auto& down = table[static_cast<std::size_t>(std::lrint((y - row) * kSteps))];
+    const auto& across = table[static_cast<std::size_t>(std::lrint((x - column) * kTableSteps))];
+    const auto& down = table[static_cast<std::size_t>(std::lrint((y - row) * kTableSteps))];
     const int before = static_cast<int>(kTaps) / 2 - 1;
     std::array<int, kTaps> columns;
     for (std::size_t k = 0; k < kTaps; ++k) {

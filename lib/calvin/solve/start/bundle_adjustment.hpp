@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// One least-squares problem as every stage of a solve has it: camera and poses of some views are
-// fitted, and the distances of corners measured. Internal.
+// Bundle adjustment as every stage of a solve has it: camera and poses of some views are fitted,
+// and the distances of corners measured. Internal.
 #pragma once
 
 #include <optional>
@@ -45,10 +45,10 @@ struct Minimum {
   bool converged = false;
 };
 
-class LeastSquares {
+class BundleAdjustment {
  public:
-  LeastSquares(const Parameterization& parameterization, ImageSize size,
-               const std::stop_token& stop);
+  BundleAdjustment(const Parameterization& parameterization, ImageSize size,
+                   const std::stop_token& stop);
 
   // Improves an estimate by the views that have a pose, `more` priors added to those of the
   // parameterization. A null view is left out; a view that has no projection at its pose loses the

@@ -3,7 +3,7 @@
 
 // One minimisation over some views, the distances of corners after it, and poses for a camera.
 
-#include "calvin/solve/start/least_squares.hpp"
+#include "calvin/solve/start/bundle_adjustment.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,25 +13,25 @@
 
 namespace calvin {
 
-LeastSquares::LeastSquares(const Parameterization& parameterization, ImageSize size,
-                           const std::stop_token& stop)
+BundleAdjustment::BundleAdjustment(const Parameterization& parameterization, ImageSize size,
+                                   const std::stop_token& stop)
     : parameterization_(parameterization),
       size_(size),
       stop_(stop),
       fill_(fill_rows_of(parameterization.model)),
       rows_(row_layout(parameterization.table, 0, 0)) {}
 
-RowSums LeastSquares::fill_residuals(const FitView& view, const std::vector<double>& shared,
-                                     const SE3& pose) {
+RowSums BundleAdjustment::fill_residuals(const FitView& view, const std::vector<double>& shared,
+                                         const SE3& pose) {
   rows_.resize(view.points.padded());
   return fill_(view.points, row_point(parameterization_.table, 0, 0, shared), pose, Loss{}, rows_,
                RowContent::kResiduals);
 }
 
-Minimum LeastSquares::minimise_over(const std::vector<const FitView*>& views, Estimate from,
-                                    const Eigen::MatrixXd& basis, const Loss& loss,
-                                    const LmOptions& options,
-                                    const std::vector<ParameterTable::Prior>& more) {
+Minimum BundleAdjustment::minimise_over(const std::vector<const FitView*>& views, Estimate from,
+                                        const Eigen::MatrixXd& basis, const Loss& loss,
+                                        const LmOptions& options,
+                                        const std::vector<ParameterTable::Prior>& more) {
   SharedUnknowns unknowns = {&parameterization_.table, basis, parameterization_.table.priors()};
   unknowns.priors.insert(unknowns.priors.end(), more.begin(), more.end());
   Minimum result = {std::move(from), {}};
@@ -71,8 +71,9 @@ Minimum LeastSquares::minimise_over(const std::vector<const FitView*>& views, Es
   return result;
 }
 
-std::vector<double> LeastSquares::distances(const FitView& view, const std::vector<double>& shared,
-                                            const std::optional<SE3>& pose) {
+std::vector<double> BundleAdjustment::distances(const FitView& view,
+                                                const std::vector<double>& shared,
+                                                const std::optional<SE3>& pose) {
   std::vector<double> result(view.set.size(), kFarthest);
   if (!pose) return result;
   const auto bounded = [](double d) {
@@ -97,7 +98,7 @@ std::vector<double> LeastSquares::distances(const FitView& view, const std::vect
   return result;
 }
 
-std::optional<Camera> LeastSquares::camera(const std::vector<double>& shared) const {
+std::optional<Camera> BundleAdjustment::camera(const std::vector<double>& shared) const {
   const ParameterTable& table = parameterization_.table;
   const auto own = values_of(shared, table.intrinsics(0));
   auto made = Camera::make(parameterization_.model, size_, {own.begin(), own.end()},
@@ -106,8 +107,8 @@ std::optional<Camera> LeastSquares::camera(const std::vector<double>& shared) co
   return *made;
 }
 
-Poses LeastSquares::poses_for(const std::vector<double>& shared,
-                              const std::vector<const FitView*>& views) const {
+Poses BundleAdjustment::poses_for(const std::vector<double>& shared,
+                                  const std::vector<const FitView*>& views) const {
   Poses poses(views.size());
   const auto seen_by = camera(shared);
   if (!seen_by) return poses;
