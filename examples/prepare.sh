@@ -6,7 +6,8 @@
 # of the output.
 prepare() {
   "$source/examples/install-packages.sh" build
-  [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dtests=false
+  [ -f "$build/build.ninja" ] || meson setup "$build" "$source" --unity=on \
+    -Dunity_size=8 -Dtests=false
   echo "Building; $build/quickstart.log tells how far it is."
   for program in "$@"; do
     shift

@@ -23,7 +23,8 @@ fi
 export CALVIN_DATA="${CALVIN_DATA:-}"
 export CCACHE_SLOPPINESS=pch_defines,time_macros # precompiled headers, where there is ccache
 
-[ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dwerror="${CALVIN_WERROR:-false}"
+[ -f "$build/build.ninja" ] || meson setup "$build" "$source" --unity=on -Dunity_size=8 \
+  -Dwerror="${CALVIN_WERROR:-false}"
 ninja -C "$build"
 
 # A language whose numbers have commas, without touching the system.

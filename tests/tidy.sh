@@ -21,11 +21,34 @@ else
   files="$files gst/common/worker.cpp lib/calvin/core/text.cpp"
   checks=-clang-analyzer-*
 fi
-# What was compiled beforehand is in gcc's own format: each file goes by what it includes itself.
+# What was compiled beforehand is in gcc's own format: each file goes by what it includes itself. And
+# where --unity=on joined files, each goes by the command of what it was joined to.
 mkdir -p "$build/tidy"
-sed 's/-include [a-z_]*_pch\.hpp//' "$build/compile_commands.json" >"$build/tidy/compile_commands.json"
+python3 - "$build" <<'END'
+import json
+import os
+import re
+import sys
+
+build = sys.argv[1]
+with open(f"{build}/compile_commands.json") as given:
+    commands = json.load(given)
+each = []
+for command in commands:
+    command["command"] = re.sub(r"-include [a-z_]*_pch\.hpp", "", command["command"])
+    name = command["file"]
+    files = [name]
+    if re.search(r"-unity\d+\.cpp$", name):
+        with open(os.path.join(build, name)) as joined:
+            included = re.findall(r"^#include *[<\"](.*)[>\"]", joined.read(), re.MULTILINE)
+        files = [os.path.normpath(file) for file in included]
+    for file in files:
+        each.append(command | {"command": command["command"].replace(name, file), "file": file})
+with open(f"{build}/tidy/compile_commands.json", "w") as made:
+    json.dump(each, made, indent=2)
+END
 # Files that this build leaves out have no command.
 for file in $files; do
-  if grep -q "\"file\": \".*$file\"" "$build/compile_commands.json"; then echo "$file"; fi
+  if grep -q "\"file\": \".*/$file\"" "$build/tidy/compile_commands.json"; then echo "$file"; fi
 done | xargs -n 4 -P 2 "$tidy" --quiet -p "$build/tidy" --checks="$checks" \
   --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-unused-command-line-argument 2>/dev/null

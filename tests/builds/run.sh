@@ -41,7 +41,8 @@ build() {
   folder=$dir/$1
   shift
   [ -f "$folder/build.ninja" ] ||
-    meson setup "$folder" "$source" -Dwerror="${CALVIN_WERROR:-false}" "$@"
+    meson setup "$folder" "$source" --unity=on -Dunity_size=8 \
+      -Dwerror="${CALVIN_WERROR:-false}" "$@"
   ninja -C "$folder"
 }
 
@@ -84,7 +85,7 @@ build_named() {
   case "$1" in
     clang)
       export CC=clang CXX=clang++
-      build clang -Db_pch=false # shows a file that does not include what it uses
+      build clang --unity=off -Db_pch=false # shows a file that does not include what it uses
       smoke "$dir/clang"
       ;;
     nofeatures)
