@@ -115,12 +115,12 @@ Why wrong(const Calibration& c) {
 }
 
 Why wrong_place(const Pose& pose, const std::vector<double>& covariance) {
-  constexpr std::size_t kSize = 6;
+  constexpr std::size_t kUnknowns = 6;
   if (!is_possible(pose)) return "its place is out of range (1e6 m, 1e6 rad)";
   if (covariance.empty()) return std::nullopt;
-  if (covariance.size() != kSize * kSize) return "the covariance of its place is not 6 x 6";
+  if (covariance.size() != kUnknowns * kUnknowns) return "the covariance of its place is not 6 x 6";
   if (!is_possible(covariance)) return "the covariance of its place is out of range (1e12)";
-  const auto why = no_covariance(covariance, kSize);
+  const auto why = no_covariance(covariance, kUnknowns);
   return why ? Why("the covariance of its place " + *why) : std::nullopt;
 }
 
