@@ -23,31 +23,31 @@ namespace {
 constexpr double kNarrowestPage = 0.08;  // m, so that the caption has room
 constexpr double kLargestPage = 5;       // m, the PDF format's own limit is 200 inches
 
-struct Extent {
+struct PageSize {
   double width = 0;
   double height = 0;
 };
 
-Extent pattern_of(const Board& board) {
+PageSize pattern_of(const Board& board) {
   const BoardArea outline = board.outline();
   return {outline.width(), outline.height()};
 }
 
-Extent page_for(const Board& board) {
+PageSize page_for(const Board& board) {
   const double border = 2 * white_border(board);
-  const Extent pattern = pattern_of(board);
+  const PageSize pattern = pattern_of(board);
   return {pattern.width + border, pattern.height + border + kCaptionHeight};
 }
 
-bool holds(const Extent& page, const Extent& needed) {
+bool holds(const PageSize& page, const PageSize& needed) {
   return page.width + kLengthSlack >= needed.width && page.height + kLengthSlack >= needed.height;
 }
 
 // The paper as the board lies on it, along the board's longer side if both ways fit.
-std::optional<Extent> turned_for(const Board& board, const Paper& paper) {
-  const Extent upright{paper.width, paper.height};
-  const Extent lying{paper.height, paper.width};
-  const Extent needed = page_for(board);
+std::optional<PageSize> turned_for(const Board& board, const Paper& paper) {
+  const PageSize upright{paper.width, paper.height};
+  const PageSize lying{paper.height, paper.width};
+  const PageSize needed = page_for(board);
   const bool wide = pattern_of(board).width > pattern_of(board).height;
   if (holds(wide ? lying : upright, needed)) return wide ? lying : upright;
   if (holds(wide ? upright : lying, needed)) return wide ? upright : lying;
@@ -56,7 +56,7 @@ std::optional<Extent> turned_for(const Board& board, const Paper& paper) {
 
 // What lies on a page grows with the cells, but for a border that is at least so wide and the
 // caption.
-double largest_cell_upright(const Extent& cells, double width, double height) {
+double largest_cell_upright(const PageSize& cells, double width, double height) {
   const auto along = [](double count, double length) {
     return std::min(length / (count + 1), (length - 2 * kSmallestBorder) / count);
   };
@@ -65,7 +65,7 @@ double largest_cell_upright(const Extent& cells, double width, double height) {
 
 double largest_cell(const Board& board, const Paper& paper) {
   const double own = board.cell_size(board.ids().front());
-  const Extent cells{pattern_of(board).width / own, pattern_of(board).height / own};
+  const PageSize cells{pattern_of(board).width / own, pattern_of(board).height / own};
   const double size = std::max(largest_cell_upright(cells, paper.width, paper.height),
                                largest_cell_upright(cells, paper.height, paper.width));
   return std::floor(size * 1e4 + 1e-6) / 1e4;  // down to 0.1 mm
@@ -81,7 +81,7 @@ std::optional<Board> with_cells_of(const Board& board, double size) {
       board.kind());
 }
 
-std::string in_mm(const Extent& extent) {
+std::string in_mm(const PageSize& extent) {
   return fmt::format("{:.0f} x {:.0f} mm", std::ceil(extent.width * 1e3 - 1e-6),
                      std::ceil(extent.height * 1e3 - 1e-6));
 }
@@ -105,15 +105,15 @@ tl::unexpected<Error> does_not_fit(const Board& board, const Paper& paper) {
                   in_mm({paper.width, paper.height}), advice));
 }
 
-BoardLayout centred(const Board& board, const Extent& page) {
-  const Extent pattern = pattern_of(board);
+BoardLayout centred(const Board& board, const PageSize& page) {
+  const PageSize pattern = pattern_of(board);
   const BoardArea outline = board.outline();
   return {page.width, page.height, (page.width - pattern.width) / 2 - outline.left,
           (page.height - kCaptionHeight - pattern.height) / 2 - outline.top};
 }
 
 Result<BoardLayout> made_to_measure(const Board& board) {
-  Extent page = page_for(board);
+  PageSize page = page_for(board);
   page.width = std::max(page.width, kNarrowestPage);
   if (std::max(page.width, page.height) > kLargestPage) {
     return make_error(
