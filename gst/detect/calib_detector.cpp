@@ -14,6 +14,7 @@
 
 #include "calvin/detect/brightness.hpp"
 #include "calvin/detect/patches.hpp"
+#include "common/frames/refused_caps.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
@@ -158,16 +159,9 @@ Status CalibDetector::take_recheck(CalibrationReader::ReadResult read) {
 Status CalibDetector::set_format(const GstVideoInfo& info) {
   luma_.reset();
   if (Status readable = read_pictures(info); !readable) return readable;
-  // Of mixed video each frame says what it is, and most that is called so is not interlaced.
-  const bool is_interlaced = GST_VIDEO_INFO_IS_INTERLACED(&info) &&
-                             GST_VIDEO_INFO_INTERLACE_MODE(&info) != GST_VIDEO_INTERLACE_MODE_MIXED;
-  if (is_interlaced && !is_interlaced_) {
-    post_warning(element_,
-                 {ErrorCode::kUnsupported,
-                  "The video is interlaced, its fields show different moments: corners of a board "
-                  "that moves are wrong. Insert deinterlace before this element."});
-  }
-  is_interlaced_ = is_interlaced;
+  const auto fields = explain_fields(info);
+  if (fields && !is_interlaced_) post_warning(element_, *fields);
+  is_interlaced_ = fields.has_value();
   info_ = info;
   mode_known_ = frame_refused_ = false;
   return {};

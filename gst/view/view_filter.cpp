@@ -10,6 +10,7 @@
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>
 
+#include "common/element_class.hpp"
 #include "common/messages.hpp"
 #include "common/rig_event.hpp"
 #include "view/scene_painter.hpp"
@@ -188,9 +189,8 @@ static gboolean gst_calib_view_filter_src_event(GstBaseTransform* trans, GstEven
   return TRUE;
 }
 
-static void gst_calib_view_filter_finalize(GObject* object) {
-  delete GST_CALIB_VIEW_FILTER(object)->state;
-  G_OBJECT_CLASS(gst_calib_view_filter_parent_class)->finalize(object);
+static FilterState& gst_calib_view_filter_state(GObject* object) {
+  return *GST_CALIB_VIEW_FILTER(object)->state;
 }
 
 static void gst_calib_view_filter_init(GstCalibViewFilter* self) {
@@ -201,7 +201,7 @@ static void gst_calib_view_filter_init(GstCalibViewFilter* self) {
 static void gst_calib_view_filter_class_init(GstCalibViewFilterClass* klass) {
   auto* element_class = GST_ELEMENT_CLASS(klass);
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = gst_calib_view_filter_finalize;
+  gst::install_finalize<gst_calib_view_filter_state>(G_OBJECT_CLASS(klass));
   trans_class->start = gst_calib_view_filter_start;
   trans_class->stop = gst_calib_view_filter_stop;
   trans_class->transform_caps = gst_calib_view_filter_transform_caps;

@@ -9,6 +9,7 @@
 #include <gst/base/gstpushsrc.h>
 #include <gst/video/video.h>
 
+#include "common/element_class.hpp"
 #include "common/messages.hpp"
 #include "view/scene_painter.hpp"
 #include "view/view_caps.hpp"
@@ -154,9 +155,8 @@ static GstStateChangeReturn gst_calib_view_source_change_state(GstElement* eleme
   return GST_ELEMENT_CLASS(gst_calib_view_source_parent_class)->change_state(element, change);
 }
 
-static void gst_calib_view_source_finalize(GObject* object) {
-  delete GST_CALIB_VIEW_SOURCE(object)->state;
-  G_OBJECT_CLASS(gst_calib_view_source_parent_class)->finalize(object);
+static SourceState& gst_calib_view_source_state(GObject* object) {
+  return *GST_CALIB_VIEW_SOURCE(object)->state;
 }
 
 static void gst_calib_view_source_init(GstCalibViewSource* self) {
@@ -168,7 +168,7 @@ static void gst_calib_view_source_init(GstCalibViewSource* self) {
 static void gst_calib_view_source_class_init(GstCalibViewSourceClass* klass) {
   auto* element_class = GST_ELEMENT_CLASS(klass);
   auto* base_class = GST_BASE_SRC_CLASS(klass);
-  G_OBJECT_CLASS(klass)->finalize = gst_calib_view_source_finalize;
+  gst::install_finalize<gst_calib_view_source_state>(G_OBJECT_CLASS(klass));
   element_class->change_state = gst_calib_view_source_change_state;
   base_class->start = gst_calib_view_source_start;
   base_class->stop = gst_calib_view_source_stop;

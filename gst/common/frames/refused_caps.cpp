@@ -12,7 +12,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <gst/video/video.h>
 
 #include "common/frames/dma_caps.hpp"
 #include "common/messages.hpp"
@@ -232,6 +231,16 @@ std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepte
   if (gst_caps_is_any(caps) || gst_caps_is_empty(caps)) return std::nullopt;
   if (gst_caps_can_intersect(caps, accepted)) return set ? useless(caps) : std::nullopt;
   return error_of(refused(gst_caps_get_structure(caps, 0), gst_caps_get_features(caps, 0)));
+}
+
+std::optional<Error> explain_fields(const GstVideoInfo& info) {
+  const GstVideoInterlaceMode mode = GST_VIDEO_INFO_INTERLACE_MODE(&info);
+  if (mode == GST_VIDEO_INTERLACE_MODE_PROGRESSIVE || mode == GST_VIDEO_INTERLACE_MODE_MIXED) {
+    return std::nullopt;
+  }
+  return Error{ErrorCode::kUnsupported,
+               "The video is interlaced, its fields show different moments: corners of a board "
+               "that moves are wrong. Insert deinterlace before this element."};
 }
 
 void explain_refused_caps(GstElement* element) {

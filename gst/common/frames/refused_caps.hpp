@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <gst/gst.h>
+#include <gst/video/video.h>
 
 #include "calvin/core/result.hpp"
 
@@ -16,6 +17,11 @@ namespace calvin::gst {
 // where something fits. `set`: the caps are of frames that will come, not of some that may.
 [[nodiscard]] std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted,
                                                    bool set);
+
+// What interlaced video does to the corners of a board, and what to insert; absent for video that
+// is progressive, and for mixed video, of which each frame says what it is and most are
+// progressive.
+[[nodiscard]] std::optional<Error> explain_fields(const GstVideoInfo& info);
 
 // GStreamer refuses such caps before an element sees them and tells the user no more than
 // "not-negotiated". From here on the sink pad of `element` posts the error, when such caps are
