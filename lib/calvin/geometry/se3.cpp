@@ -15,6 +15,14 @@
 
 namespace calvin {
 
+SE3 SE3::operator*(const SE3& other) const {
+  return {rotation * other.rotation, rotation * other.translation + translation};
+}
+
+SE3 SE3::inverse() const {
+  return {rotation.transpose(), -(rotation.transpose() * translation)};
+}
+
 Eigen::Matrix3d exp_so3(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   if (angle < 1e-300) return Eigen::Matrix3d::Identity();

@@ -15,15 +15,18 @@ struct SE3 {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
+  // In plain numbers, since most files include this one: an expression of Eigen takes each of them
+  // longer to compile than all of the header.
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
-    return rotation * point + translation;
+    const double* r = rotation.data();  // column by column
+    const double* p = point.data();
+    const double* t = translation.data();
+    return {r[0] * p[0] + r[3] * p[1] + r[6] * p[2] + t[0],
+            r[1] * p[0] + r[4] * p[1] + r[7] * p[2] + t[1],
+            r[2] * p[0] + r[5] * p[1] + r[8] * p[2] + t[2]};
   }
-  [[nodiscard]] SE3 operator*(const SE3& other) const {
-    return {rotation * other.rotation, rotation * other.translation + translation};
-  }
-  [[nodiscard]] SE3 inverse() const {
-    return {rotation.transpose(), -(rotation.transpose() * translation)};
-  }
+  [[nodiscard]] CALVIN_API SE3 operator*(const SE3& other) const;
+  [[nodiscard]] CALVIN_API SE3 inverse() const;
 };
 
 // Rotation by |w| rad about w (Rodrigues), and its inverse with |w| in 0..pi.

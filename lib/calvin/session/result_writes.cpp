@@ -22,6 +22,10 @@ void ResultWrites::begin_files(bool writable) {
   late_ = kept_ = false;
 }
 
+void ResultWrites::add(const Calibration& result) { unwritten_ = result; }
+
+void ResultWrites::say_later(Notice notice) { notices_.push_back(std::move(notice)); }
+
 void ResultWrites::forget() {
   unwritten_.reset();
   final_waits_ = asked_ = false;

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
@@ -28,7 +27,7 @@ class ResultWrites {
   // For other files; whether they can be written now, which the user was told else.
   void begin_files(bool writable);
 
-  void add(const Calibration& result) { unwritten_ = result; }
+  void add(const Calibration& result);
   void forget();  // what waits
   // Whether a result is not in all files yet.
   [[nodiscard]] bool waiting() const noexcept { return unwritten_.has_value(); }
@@ -52,7 +51,7 @@ class ResultWrites {
   [[nodiscard]] const Status& status() const noexcept { return status_; }
   // What is to be said of the writes that have ended, and what else had to wait; a notice that is
   // taken counts as said.
-  void say_later(Notice notice) { notices_.push_back(std::move(notice)); }
+  void say_later(Notice notice);
   [[nodiscard]] bool has_notice() const noexcept { return !notices_.empty(); }
   [[nodiscard]] std::optional<Notice> take_notice();
 

@@ -17,18 +17,8 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kLeastSide = 16;       // px; no board is in a smaller image
-constexpr int kExtraRows = 3;        // rows around a board that are kept, to see that it is larger
-constexpr double kLeastShare = 0.2;  // of a board's corners
-constexpr int kLeastCoded = 5;       // corners of a board with a code, of which any part will do
-// Peaks of the response that are looked at, the strongest first.
-constexpr int kPointsPerCorner = 15;
-constexpr int kFewestPoints = 800;
-// How far a neighbour may be.
-constexpr float kLargestSquare = 2.2F;  // times the image's longer side per square of the board
-constexpr float kLeastReach = 48;       // px of the level
-constexpr float kMostReach = 144;       // px of the smallest level
-constexpr float kFineReach = 64;        // px of other levels: smaller ones have looked further
+constexpr int kLeastSide = 16;  // px; no board is in a smaller image
+constexpr int kExtraRows = 3;   // rows around a board that are kept, to see that it is larger
 constexpr std::size_t kFurtherParts = 3;
 
 // px, 1 sigma: the error that corners near each other have in common, which neither noise nor
@@ -44,12 +34,6 @@ int reach_of(const std::vector<WantedBoard>& wanted) {
   return most + kExtraRows;
 }
 
-Surroundings surroundings_of(const std::vector<WantedBoard>& wanted) {
-  Surroundings all;
-  for (const WantedBoard& w : wanted) all = all.with(w.pattern.surroundings);
-  return all;
-}
-
 // The element of a list that keeps the memory of those that are not in use, at its end.
 template <typename T>
 T& append(std::vector<T>& list, std::size_t& count, int reach, const Surroundings& surroundings) {
@@ -59,41 +43,15 @@ T& append(std::vector<T>& list, std::size_t& count, int reach, const Surrounding
 
 }  // namespace
 
-LatticeArea::LatticeArea(const Lattice& lattice, int level) {
-  lattice.for_each([&](Cell /*cell*/, const Node& node) {
-    box.add(Pyramid::to_image(node.x, level), Pyramid::to_image(node.y, level));
-  });
-  const auto nodes = static_cast<float>(std::max(lattice.count(), 1));
-  square = std::sqrt((box.right - box.left) * (box.bottom - box.top) / nodes);
-}
-
-bool LatticeArea::meets(const Box& other) const {
-  return box.left <= other.right && other.left <= box.right && box.top <= other.bottom &&
-         other.top <= box.bottom;
-}
-
-bool LatticeArea::has_middle_of(const LatticeArea& other) const {
-  const float u = 0.5F * (other.box.left + other.box.right);
-  const float v = 0.5F * (other.box.top + other.box.bottom);
-  return u >= box.left && u <= box.right && v >= box.top && v <= box.bottom;
-}
-
-bool LatticeArea::has(const LatticeArea& other) const {
-  constexpr float kLike = 1.7F;  // ratio of the squares' sides
-  return has_middle_of(other) && other.square < kLike * square && square < kLike * other.square;
-}
-
 SheetSearch::SheetSearch(std::vector<WantedBoard> wanted)
     : wanted_(std::move(wanted)),
       reach_(reach_of(wanted_)),
       surroundings_(surroundings_of(wanted_)),
+      most_points_(most_points(wanted_)),
       lattice_(reach_, surroundings_),
       trial_(reach_, surroundings_),
       best_(reach_, surroundings_),
-      other_(reach_, surroundings_) {
-  for (const WantedBoard& w : wanted_)
-    most_points_ = std::max(most_points_, w.pattern.grid.count());
-}
+      other_(reach_, surroundings_) {}
 
 void SheetSearch::begin(const ImageView& image) {
   image_ = image;
@@ -151,33 +109,6 @@ bool SheetSearch::run(bool thorough, const std::stop_token& stop) {
   return true;
 }
 
-SearchOptions SheetSearch::options(int level) const {
-  const ImageView& image = pyramid_.level(level);
-  const auto across = static_cast<float>(std::max(image.width, image.height));
-  const float most = level + 1 < pyramid_.levels() ? kFineReach : kMostReach;
-  SearchOptions options;
-  options.least_nodes = most_points_;
-  options.most_points = 0;
-  options.most_groups = 3;
-  options.reach = 0;
-  options.surroundings = surroundings_;
-  for (const WantedBoard& w : wanted_) {
-    const int points = w.pattern.grid.count();
-    const double share = kLeastShare * static_cast<double>(points);
-    const int least = w.pattern.code ? kLeastCoded : std::max(6, static_cast<int>(share));
-    options.least_nodes = std::min(options.least_nodes, least);
-    options.most_points += w.sheets * (kPointsPerCorner + w.pattern.code_corners) * points;
-    options.most_groups += static_cast<std::size_t>(w.sheets);
-    // The largest squares are those of a board of which a part fills the image.
-    const auto squares = static_cast<float>(std::max(w.pattern.grid.cols, w.pattern.grid.rows) + 1);
-    const float longest = 2 - w.pattern.surroundings.gap;
-    options.reach = std::max(options.reach, kLargestSquare * longest * across / squares);
-  }
-  options.most_points = std::max(kFewestPoints, options.most_points);
-  options.reach = std::clamp(options.reach, kLeastReach, most);
-  return options;
-}
-
 int SheetSearch::least_group() const {
   if (missing() > 0) return 0;
   int least = most_points_;
@@ -186,7 +117,7 @@ int SheetSearch::least_group() const {
 }
 
 void SheetSearch::search_level(int level) {
-  SearchOptions options = this->options(level);
+  SearchOptions options = search_options(wanted_, pyramid_, level);
   for (const Sheet& sheet : sheets()) options.taken.push_back(in_level(sheet.outline, level));
   search_.detect_corners(pyramid_.calm_level(level), options);
   while (search_.next_size() > 0 && search_.next_size() >= least_group() &&

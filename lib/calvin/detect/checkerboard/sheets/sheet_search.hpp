@@ -19,16 +19,12 @@
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/detect/checkerboard/refine.hpp"
+#include "calvin/detect/checkerboard/sheets/lattice_area.hpp"
 #include "calvin/detect/checkerboard/sheets/sheet.hpp"
+#include "calvin/detect/checkerboard/sheets/wanted_boards.hpp"
 #include "calvin/detect/pyramid.hpp"
 
 namespace calvin::detect {
-
-// A board, and how many sheets of it are expected to be in view.
-struct WantedBoard {
-  Pattern pattern;
-  int sheets = 1;
-};
 
 // A checkerboard of another size than all that are wanted.
 struct OtherBoard {
@@ -36,21 +32,6 @@ struct OtherBoard {
   int rows = 0;
   bool certain = false;  // its edges are in view on all sides
   std::string text;      // where its code tells it
-};
-
-// Where a lattice lies in the image, and how large its squares are there about, px.
-struct LatticeArea {
-  Box box;
-  float square = 0;
-
-  LatticeArea() = default;
-  // In px of a level.
-  LatticeArea(const Lattice& lattice, int level);
-  [[nodiscard]] bool meets(const Box& other) const;
-  // Whether the middle of the other area lies in this one.
-  [[nodiscard]] bool has_middle_of(const LatticeArea& other) const;
-  // Whether the other area is likely a part of this one.
-  [[nodiscard]] bool has(const LatticeArea& other) const;
 };
 
 // Keeps its memory from one image to the next.
@@ -96,7 +77,6 @@ class SheetSearch {
   [[nodiscard]] std::span<Part> parts() { return {parts_.data(), part_count_}; }
   [[nodiscard]] int missing() const;
   [[nodiscard]] int missing(std::size_t wanted) const;
-  [[nodiscard]] SearchOptions options(int level) const;
   // How many corners have to be linked in a level, to be looked at as a further sheet.
   [[nodiscard]] int least_group() const;
   void search_level(int level);
@@ -132,7 +112,7 @@ class SheetSearch {
   std::vector<WantedBoard> wanted_;
   int reach_;
   Surroundings surroundings_;
-  int most_points_ = 0;  // of a board
+  int most_points_;  // of a board
   ImageView image_;
   Pyramid pyramid_;
   BoardSearch search_;
