@@ -19,9 +19,7 @@ SE3 SE3::operator*(const SE3& other) const {
   return {rotation * other.rotation, rotation * other.translation + translation};
 }
 
-SE3 SE3::inverse() const {
-  return {rotation.transpose(), -(rotation.transpose() * translation)};
-}
+SE3 SE3::inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation)}; }
 
 Eigen::Matrix3d exp_so3(const Eigen::Vector3d& w) {
   const double angle = w.norm();
