@@ -6,6 +6,7 @@
 // there, nor refuses one that has all its pixels.
 
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ using namespace calvin::check;
 // Widths at which GStreamer's UYVP, NV12_10LE32, NV16_10LE32 and NV12_10BE_8L128 have no room for
 // the chroma of the last column.
 static const ImageSize kOdd[] = {{51, 33}, {57, 32}};
+
+// Each test takes one of the sizes in turn where not all are asked for.
+static std::vector<ImageSize> some_of(const std::vector<ImageSize>& sizes, std::size_t test) {
+  if (std::getenv("CALVIN_FULL") != nullptr) return sizes;
+  return {sizes[test % sizes.size()]};
+}
 
 static GstVideoInfo info_of(const std::string& format, ImageSize size) {
   GstVideoInfo info;
@@ -58,7 +65,7 @@ GST_START_TEST(test_no_byte_beyond_the_frame) {
   const std::string element = kElements[at % G_N_ELEMENTS(kElements)];
   const std::string format = formats_without_palette()[at / G_N_ELEMENTS(kElements)];
   g_autoptr(GstAllocator) guarded = new_guarded_allocator();
-  for (const ImageSize size : kOdd) {
+  for (const ImageSize size : some_of({kOdd[0], kOdd[1]}, at / G_N_ELEMENTS(kElements))) {
     const bool undistorts = element == "calibundistort";
     GstHarness* h =
         harness_of(make_element(undistorts ? element + " calibration=" + lens_of(size) : element));
@@ -134,7 +141,8 @@ GST_START_TEST(test_a_frame_is_taken_if_its_last_pixel_is_all_there) {
   if (!has_values && element.find("calibdetect") == std::string::npos) return;
   if (element == "caliboverlay" && !CALVIN_HAVE_CAIRO) return;  // which then reads no frame
   g_autoptr(GstAllocator) guarded = new_guarded_allocator();
-  for (const ImageSize size : {kOdd[0], kOdd[1], ImageSize{52, 34}}) {
+  const auto sizes = some_of({kOdd[0], kOdd[1], {52, 34}}, at / G_N_ELEMENTS(kElements));
+  for (const ImageSize size : sizes) {
     const GstVideoInfo info = info_of(format, size);
     const gsize end = end_of_pixels(info);
     for (const gsize bytes : {info.size, end, end - 1}) {

@@ -42,7 +42,7 @@ TEST_P(NegativesFor, HaveNoBoard) {
   const auto finder = make_detector(*board).value();
   const bool full = scenes::full_count();
   const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
-  for (std::uint64_t seed = 0; seed < (full ? 1200 : 40); ++seed) {
+  for (std::uint64_t seed = 0; seed < (full ? 1200 : 16); ++seed) {
     const Detection d = finder->detect(view_of(bench::make_negative(size, 5000 + seed)));
     EXPECT_FALSE(d.observation.found()) << seed;
   }
@@ -64,7 +64,7 @@ TEST(Negatives, HaveNoLightOneAfterTheOther) {
 TEST(Negatives, ShowNoBoardWithACodeAndNoCircles) {
   const bool full = scenes::full_count();
   const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
-  for (std::uint64_t seed = 0; seed < (full ? 1200 : 20); ++seed) {
+  for (std::uint64_t seed = 0; seed < (full ? 1200 : 10); ++seed) {
     for (const IdentifiedBoard& seen :
          identify_boards(view_of(bench::make_negative(size, 5000 + seed)), 0.025)) {
       EXPECT_TRUE(seen.board.as<Checkerboard>() != nullptr) << seed << seen.board.text();
