@@ -105,6 +105,17 @@ class FitDiagnosis {
  private:
   [[nodiscard]] bool offsets_estimated() const { return fit_.board && fit_.board->estimated; }
 
+  [[nodiscard]] std::vector<SeenOffset> estimated_offsets() const {
+    std::vector<SeenOffset> corners;
+    for (std::size_t i = 0; i < fit_.board->offsets.size(); ++i) {
+      const auto at = 3 * static_cast<Eigen::Index>(i);
+      const Eigen::Vector2d variance = fit_.board->covariance.diagonal().segment<2>(at);
+      corners.push_back({shape_.grid->place(static_cast<int>(i)), fit_.board->offsets[i].head<2>(),
+                         variance.cwiseInverse()});
+    }
+    return corners;
+  }
+
   // What the views would say were the corners of the board where all of them together see them.
   [[nodiscard]] std::optional<Eigen::MatrixXd> board_known(const FitDiagnostics& found) const {
     const auto known = [&](double of_board) { return variance_ / std::max(of_board, 1e-30); };
@@ -131,7 +142,14 @@ class FitDiagnosis {
     if (!offsets_estimated()) {
       const double in_plane = scores_->board_shared().deviations();
       result.board_agrees = std::max(in_plane, scores_->board_bent().deviations());
-      if (in_plane > kSignificant) result.board_variance = scores_->board_shared().variance();
+      if (in_plane > kSignificant) {
+        result.board_variance = scores_->board_shared().variance();
+        if (shape_.grid && scores_->boards() == 1) {
+          result.board_pattern = board_pattern(*shape_.grid, scores_->offsets(*shape_.grid));
+        }
+      }
+    } else if (shape_.grid) {
+      result.board_pattern = board_pattern(*shape_.grid, estimated_offsets());
     }
     if (!(predicted_ > 0) || used_ < 2) return;
     result.split_half_ratio = std::sqrt(observed_ / predicted_);

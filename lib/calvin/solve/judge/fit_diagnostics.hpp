@@ -15,6 +15,7 @@
 #include "calvin/solve/judge/contradiction.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/misfit.hpp"
+#include "calvin/target/measured/board_pattern.hpp"
 
 namespace calvin {
 
@@ -40,6 +41,7 @@ struct FitDiagnostics {
   // How far corners are from where they were printed, m^2 along each axis of the board, 1 sigma;
   // 0 unless the views agree that they are.
   double board_variance = 0;
+  std::optional<BoardPattern> board_pattern;  // of them, where they have one
   // The covariance of the directions were the board measured: with corners where all views together
   // see them. Absent where `board_variance` is 0.
   std::optional<Eigen::MatrixXd> board_known;

@@ -252,6 +252,10 @@ Promised add_checks(Solution& solution, const FinishedFit& from, const Camera& c
   if (solution.misfit.noticed != Misfit::Cause::kNone) {
     calibration.remarks.push_back(explain(solution.misfit, found, calibration.chi, promise));
   }
+  if (from.fit.board && from.fit.board->estimated && found.board_pattern) {
+    calibration.remarks.push_back(
+        measured_otherwise(from.fit.board->offsets, *found.board_pattern));
+  }
   calibration.misfit = to_string(solution.misfit.cause);
   // One view has no halves.
   if (calibration.views.size() > 1) {

@@ -195,7 +195,21 @@ std::string explain(const Misfit& misfit, const FitDiagnostics& diagnostics,
   std::string text = finding(cause, misfit, diagnostics, chi);
   text += is_held(misfit, diagnostics, promise) ? effect(cause, promise)
                                                 : " The expected error does not hold that.";
+  if (cause == Misfit::Cause::kBoard && diagnostics.board_pattern) {
+    text += " " + to_words(*diagnostics.board_pattern);
+  }
   return misfit.found() ? text + " " + advice(cause) : text;
+}
+
+std::string measured_otherwise(const std::vector<Eigen::Vector3d>& offsets,
+                               const BoardPattern& pattern) {
+  double squares = 0;
+  for (const Eigen::Vector3d& o : offsets) squares += o.head<2>().squaredNorm() / 2;
+  const double rms = std::sqrt(squares / static_cast<double>(offsets.size()));
+  return fmt::format(
+      "The corners of the board were measured {:.2g} mm from where its text has "
+      "them. {}",
+      1e3 * rms, to_words(pattern));
 }
 
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -13,6 +14,7 @@
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/solution.hpp"
+#include "calvin/target/measured/board_pattern.hpp"
 
 namespace calvin {
 
@@ -32,6 +34,11 @@ struct PromiseParts {
 // was.
 [[nodiscard]] std::string explain(const Misfit& misfit, const FitDiagnostics& diagnostics,
                                   std::optional<double> chi, const PromiseParts& promise);
+
+// That the text of a board whose corners were measured is likely wrong, and in what. `offsets` are
+// m.
+[[nodiscard]] std::string measured_otherwise(const std::vector<Eigen::Vector3d>& offsets,
+                                             const BoardPattern& pattern);
 
 // Adds remarks on parameters that are weak but not refused, on what no corner covered, and on the
 // lens. `c` is the covariance of all unknowns.

@@ -93,6 +93,22 @@ std::size_t ResidualScores::boards() const {
   return seen;
 }
 
+std::vector<SeenOffset> ResidualScores::offsets(const Grid& grid) const {
+  std::vector<SeenOffset> offsets;
+  for (std::size_t corner = 0; corner < corners(); ++corner) {
+    SeenOffset c;
+    c.place = grid.place(static_cast<int>(corner));
+    for (std::size_t k = 0; k < kPlaneAxes; ++k) {
+      const auto [score, information] = board_shared_.total(kPlaneAxes * corner + k);
+      const auto axis = static_cast<Eigen::Index>(k);
+      c.offset[axis] = information > 0 ? -score / information : 0;
+      c.information[axis] = information;
+    }
+    if (c.information.minCoeff() > 0) offsets.push_back(c);
+  }
+  return offsets;
+}
+
 std::size_t ResidualScores::part_of(Pixel at) const {
   const auto part = [](double x, int extent, int parts) {
     return std::clamp(static_cast<int>(share_before(x, extent) * parts), 0, parts - 1);

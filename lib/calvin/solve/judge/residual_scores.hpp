@@ -14,6 +14,7 @@
 #include "calvin/solve/judge/agreement.hpp"
 #include "calvin/solve/judge/contradiction.hpp"
 #include "calvin/solve/residuals/view_rows.hpp"
+#include "calvin/target/measured/board_pattern.hpp"
 
 namespace calvin {
 
@@ -51,6 +52,8 @@ class ResidualScores {
   [[nodiscard]] const Agreement& board_shared() const { return board_shared_; }  // in its plane
   [[nodiscard]] const Agreement& board_bent() const { return board_bent_; }      // across it
   [[nodiscard]] std::size_t boards() const;
+  // Of the corners of the only board in view, which is that grid; m, of all views together.
+  [[nodiscard]] std::vector<SeenOffset> offsets(const Grid& grid) const;
 
  private:
   [[nodiscard]] std::size_t part_of(Pixel at) const;

@@ -54,7 +54,9 @@ BoardShape make_shape(const Board& board, const SolveOptions& options) {
   Maker maker;
   if (options.warp) maker.add_warp(board);
   if (options.aspect) maker.add_aspect(board);
-  return maker.take(static_cast<std::size_t>(board.point_count()));
+  BoardShape shape = maker.take(static_cast<std::size_t>(board.point_count()));
+  shape.grid = board.grid();
+  return shape;
 }
 
 std::vector<Eigen::Vector3d> bent_points(const Board& board, const BoardWarp& warp) {

@@ -15,6 +15,7 @@
 #include "calvin/solve/options.hpp"
 #include "calvin/solve/parameters/parameter_order.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/grid.hpp"
 #include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin {
@@ -27,6 +28,7 @@ struct BoardShape {
   std::vector<Eigen::Vector3d> displacement;
   std::vector<double> prior;  // per mode, 1 sigma: holds modes that the views do not determine
   BoardUnknowns unknowns;     // which modes these are
+  std::optional<Grid> grid;   // the points of the board as printed, where they are one
 
   // What is known of the points where their offsets are unknowns of their own, curvatures and all;
   // else null. `start` is how the board is bent as far as others know.

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What is said of a board whose text is wrong by a length, or that a printer has stretched.
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/solve/solve.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+constexpr std::size_t kViews = 25;
+
+// Views of a board whose points are where `moved` has them, named by the text of another one.
+template <typename Moved>
+std::vector<View> views_of(const std::string& text, const Moved& moved, unsigned seed) {
+  scenes::Random random(seed);
+  std::normal_distribution<double> noise(0, 0.05);
+  const Board board = parse_board(text).value();
+  const Camera camera = scenes::random_camera("brown4", random);
+  std::vector<View> views;
+  while (views.size() < kViews) {
+    const SE3 pose = scenes::random_pose(camera, board, random, scenes::uniform(random, 0.1, 0.7));
+    View view = scenes::observe(camera, board, pose, 0.05, random);
+    for (std::size_t i = 0; i < view.observation.uv.size(); ++i) {
+      const Pixel at = camera.project(pose * moved(board, i)).value();
+      view.observation.uv[i] = {at.u + noise(random), at.v + noise(random)};
+    }
+    views.push_back(view);
+  }
+  return views;
+}
+
+std::string remarks_of(const std::vector<View>& views, bool offsets = false) {
+  SolveOptions options;
+  options.model = "brown4";
+  options.offsets = offsets;
+  const auto solution = solve(views, scenes::kSize, options);
+  EXPECT_TRUE(solution.has_value()) << solution.error().message;
+  std::string all;
+  if (solution) {
+    for (const std::string& remark : solution->calibration.remarks) all += remark + "\n";
+  }
+  return all;
+}
+
+// Gaps are measured as well as the text has them, to a few thousandths of a tag.
+TEST(BoardText, IsSaidToHaveOtherGaps) {
+  for (const auto& [gap, offsets] :
+       {std::pair{0.24, false}, {0.28, false}, {0.31, false}, {0.35, false}, {0.28, true}}) {
+    const auto points = parse_board("aprilgrid:6x6:88mm:" + std::to_string(gap))->points();
+    const auto views = views_of(
+        "aprilgrid:6x6:88mm:0.3", [&](const Board& /*board*/, std::size_t i) { return points[i]; },
+        3);
+    const std::string said = remarks_of(views, offsets);
+    double measured = 0;
+    double printed = 0;
+    const auto at = said.find("Gaps of");
+    ASSERT_NE(at, std::string::npos) << gap << ": " << said;
+    ASSERT_EQ(
+        std::sscanf(said.c_str() + at, "Gaps of %lf of a tag instead of %lf", &measured, &printed),
+        2);
+    EXPECT_NEAR(measured, gap, 0.003 + 0.1 * std::abs(gap - 0.3)) << said;
+    EXPECT_EQ(printed, 0.3);
+  }
+}
+
+TEST(BoardText, IsSaidToBeOfABoardThatIsStretched) {
+  for (const double longer : {-0.01, -0.003, 0.004, 0.02}) {
+    const std::string said = remarks_of(views_of(
+        "checkerboard:9x6:25mm",
+        [&](const Board& board, std::size_t i) -> Eigen::Vector3d {
+          return board.points()[i].cwiseProduct(Eigen::Vector3d(1 + longer, 1, 1));
+        },
+        5));
+    double measured = 0;
+    char along[16] = "";
+    const auto at = said.find("A board that is");
+    ASSERT_NE(at, std::string::npos) << longer << ": " << said;
+    ASSERT_EQ(std::sscanf(said.c_str() + at, "A board that is %lf %% longer along its %15s",
+                          &measured, along),
+              2);
+    EXPECT_NEAR(measured, 100 * std::abs(longer), 15 * std::abs(longer)) << said;
+    EXPECT_EQ(std::string(along), longer > 0 ? "rows" : "columns");
+  }
+}
+
+// Corners that are off each by itself are off in no pattern.
+TEST(BoardText, IsNotBlamedForCornersThatAreOffByThemselves) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    scenes::Random random(100 + seed);
+    std::normal_distribution<double> off(0, 0.0003);
+    for (const char* text : {"checkerboard:9x6:25mm", "aprilgrid:4x4:88mm:0.3"}) {
+      std::vector<Eigen::Vector3d> points = parse_board(text)->points();
+      for (Eigen::Vector3d& p : points) p += Eigen::Vector3d(off(random), off(random), 0);
+      const std::string said = remarks_of(views_of(
+          text, [&](const Board& /*board*/, std::size_t i) { return points[i]; }, seed));
+      EXPECT_NE(said.find("The corners of the board are"), std::string::npos) << said;
+      EXPECT_EQ(said.find("would do that"), std::string::npos) << said;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace calvin
