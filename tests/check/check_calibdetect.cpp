@@ -10,29 +10,14 @@
 #include <random>
 #include <thread>
 
-#include "calvin/io/calibration_io.hpp"
 #include "common/values.hpp"
+#include "detect_fixture.hpp"
 #include "support.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 
 using namespace calvin;
-
-struct Fixture {
-  explicit Fixture(const char* launch = "calibdetect mode=sync", const char* format = "GRAY8")
-      : element(check::make_element(launch)), bus(element), h(check::harness_of(element)) {
-    gst_harness_set_src_caps(h, check::caps_of(format, scene.size));
-  }
-  ~Fixture() {
-    bus.detach();
-    gst_harness_teardown(h);
-  }
-  check::Scene scene;
-  GstElement* element;
-  check::Bus bus;
-  GstHarness* h;
-};
 
 // Corners of all boards within `tolerance` px of the truth, every one of them there.
 static void assert_corners(const std::vector<Observation>& found, const Observation& truth,
@@ -51,7 +36,7 @@ static const char* const kFormats[] = {"GRAY8", "I420", "NV12",      "YUY2",    
                                        "RGB",   "UYVY", "GRAY16_LE", "I420_10LE"};
 
 GST_START_TEST(test_finds_the_board_in_every_format) {
-  Fixture f("calibdetect mode=sync", kFormats[__i__]);
+  check::DetectFixture f("calibdetect mode=sync", kFormats[__i__]);
   GstBuffer* in = check::frame_of(f.scene.picture(3), kFormats[__i__], 7);
   g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
   const auto found = gst::read_observations(out);
@@ -65,7 +50,7 @@ GST_START_TEST(test_finds_the_board_in_every_format) {
 GST_END_TEST;
 
 GST_START_TEST(test_shares_the_memory_of_a_buffer_that_others_hold) {
-  Fixture f;
+  check::DetectFixture f;
   GstBuffer* in = check::frame_of(f.scene.picture(0), "GRAY8", 0);
   g_autoptr(GstBuffer) kept = gst_buffer_ref(in);
   g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
@@ -81,7 +66,7 @@ GST_START_TEST(test_shares_the_memory_of_a_buffer_that_others_hold) {
 GST_END_TEST;
 
 GST_START_TEST(test_no_board_is_said) {
-  Fixture f("calibdetect mode=sync post-messages=true camera=left");
+  check::DetectFixture f("calibdetect mode=sync post-messages=true camera=left");
   g_autoptr(GstBuffer) out =
       gst_harness_push_and_pull(f.h, check::frame_of(GrayImage(640, 480, 90), "GRAY8", 2));
   const auto found = gst::read_observations(out);
@@ -106,7 +91,7 @@ GST_START_TEST(test_no_board_is_said) {
 GST_END_TEST;
 
 GST_START_TEST(test_several_boards_are_listed_each) {
-  Fixture f("calibdetect mode=sync board=checkerboard:9x6:25mm;checkerboard:5x4:10mm");
+  check::DetectFixture f("calibdetect mode=sync board=checkerboard:9x6:25mm;checkerboard:5x4:10mm");
   g_autoptr(GstBuffer) out =
       gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 0));
   const auto found = gst::read_observations(out);
@@ -118,7 +103,7 @@ GST_END_TEST;
 
 // The place of a sheet in the meta is the `index` of its messages.
 GST_START_TEST(test_two_sheets_of_a_board_are_two_observations) {
-  Fixture f("calibdetect mode=sync post-messages=true");
+  check::DetectFixture f("calibdetect mode=sync post-messages=true");
   const Camera camera = default_camera(f.scene.size);
   const Board board = parse_board("checkerboard:9x6:25mm").value();
   const SE3 left = {exp_so3({0.1, 0.2, 0.05}), {-0.33, -0.06, 0.9}};
@@ -146,7 +131,7 @@ GST_END_TEST;
 
 // Without asking, and once: the size seen stays the same.
 GST_START_TEST(test_another_board_is_said_without_asking) {
-  Fixture f("calibdetect mode=sync board=checkerboard:10x7:25mm");
+  check::DetectFixture f("calibdetect mode=sync board=checkerboard:10x7:25mm");
   for (int n = 0; n < 4; ++n) {
     g_autoptr(GstBuffer) out =
         gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(3), "GRAY8", n));
@@ -166,7 +151,7 @@ GST_END_TEST;
 
 // The board that is looked for comes into view and goes: the other one is said anew.
 GST_START_TEST(test_another_board_is_said_again_after_the_right_one) {
-  Fixture f("calibdetect mode=sync");
+  check::DetectFixture f("calibdetect mode=sync");
   const Board other = parse_board("checkerboard:8x5:25mm").value();
   const GrayImage wrong = render_board(f.scene.camera, other, f.scene.pose(3));
   for (int n = 0; n < 6; ++n) {
@@ -184,7 +169,7 @@ GST_END_TEST;
 
 // The first frames of many cameras are black, and nobody needs to hear of it.
 GST_START_TEST(test_the_dark_is_said_once_it_lasts) {
-  Fixture f("calibdetect mode=sync");
+  check::DetectFixture f("calibdetect mode=sync");
   const GrayImage dark(640, 480, 18);
   const auto push = [&f](const GrayImage& image, int n) {
     g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, check::frame_of(image, "GRAY8", n));
@@ -210,7 +195,7 @@ GST_END_TEST;
 
 // Async: the streaming thread hands the frame over and goes on; at EOS every result has arrived.
 GST_START_TEST(test_async_results_ride_on_later_buffers_and_are_complete_at_eos) {
-  Fixture f("calibdetect mode=async post-messages=true");
+  check::DetectFixture f("calibdetect mode=async post-messages=true");
   gst_harness_push(f.h, check::frame_of(f.scene.picture(5), "GRAY8", 0));
   gst_harness_push_event(f.h, gst_event_new_eos());
   g_autoptr(GstBuffer) first = gst_harness_pull(f.h);
@@ -233,7 +218,7 @@ GST_START_TEST(test_async_results_ride_on_later_buffers_and_are_complete_at_eos)
 GST_END_TEST;
 
 GST_START_TEST(test_max_rate_skips_frames) {
-  Fixture f("calibdetect mode=sync max-rate=10");
+  check::DetectFixture f("calibdetect mode=sync max-rate=10");
   for (int n = 0; n < 30; ++n) {
     gst_harness_push(f.h, check::frame_of(GrayImage(640, 480, 90), "GRAY8", n));
   }
@@ -261,7 +246,7 @@ GST_START_TEST(test_a_wrong_board_text_is_an_error_that_shows_a_right_one) {
 GST_END_TEST;
 
 GST_START_TEST(test_a_wrong_board_text_while_running_keeps_the_old_board) {
-  Fixture f;
+  check::DetectFixture f;
   g_object_set(f.h->element, "board", "nonsense", nullptr);
   g_autoptr(GstBuffer) out =
       gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 0));
@@ -276,7 +261,7 @@ GST_START_TEST(test_a_wrong_board_text_while_running_keeps_the_old_board) {
 GST_END_TEST;
 
 GST_START_TEST(test_a_board_that_is_set_again_is_not_read_again) {
-  Fixture f;
+  check::DetectFixture f;
   for (int i = 0; i < 3; ++i) {
     g_object_set(f.h->element, "board", "nonsense", nullptr);
     gst_buffer_unref(
@@ -288,7 +273,7 @@ GST_END_TEST;
 
 // What is still being computed when the size changes must not ride on a frame of the new one.
 GST_START_TEST(test_no_result_crosses_a_caps_change) {
-  Fixture f("calibdetect mode=async");
+  check::DetectFixture f("calibdetect mode=async");
   for (int round = 0; round < 5; ++round) {
     gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
     gst_buffer_unref(
@@ -307,7 +292,7 @@ GST_START_TEST(test_no_result_crosses_a_caps_change) {
 GST_END_TEST;
 
 GST_START_TEST(test_flush_caps_change_and_state_cycles) {
-  Fixture f("calibdetect mode=async");
+  check::DetectFixture f("calibdetect mode=async");
   for (int round = 0; round < 3; ++round) {
     gst_harness_push(f.h, check::frame_of(f.scene.picture(round), "GRAY8", round));
     gst_harness_push_event(f.h, gst_event_new_flush_start());
@@ -326,93 +311,10 @@ GST_START_TEST(test_flush_caps_change_and_state_cycles) {
 }
 GST_END_TEST;
 
-// The camera's own calibration, with the focal length times `factor`.
-static std::string calibration_of(const check::Scene& scene, double factor) {
-  Calibration calibration = scene.camera.to_calibration();
-  calibration.parameters[0].value *= factor;
-  calibration.parameters[1].value *= factor;
-  return print_calibration(calibration).value();
-}
-
-static double number(const GstStructure* s, const char* field) {
-  double value = NAN;
-  fail_unless(gst_structure_get_double(s, field, &value), "no %s", field);
-  return value;
-}
-
-GST_START_TEST(test_recheck_tells_a_camera_from_another) {
-  for (const double factor : {1.0, 1.02}) {
-    Fixture f("calibdetect mode=sync camera=left");
-    g_object_set(f.element, "recheck", calibration_of(f.scene, factor).c_str(), nullptr);
-    constexpr int kFrames = 12;
-    for (int n = 0; n < kFrames; ++n) {
-      gst_harness_push(f.h, check::frame_of(f.scene.picture(n), "GRAY8", n));
-    }
-    const auto checks = f.bus.named("calib-check");
-    fail_unless_equals_int(checks.size(), kFrames);
-    const GstStructure* last = checks.back();
-    fail_unless_equals_string(gst_structure_get_string(last, "camera"), "left");
-    fail_unless_equals_string(gst_structure_get_string(last, "board"), "checkerboard:9x6:25mm");
-    fail_if(gst_structure_has_field(last, "expected-error"), "the calibration has none");
-    // 2 % of the focal length: 8 px in the corners of a picture whose half diagonal is 400 px.
-    const double moved = number(last, "moved");
-    const double sigma = number(last, "moved-sigma");
-    fail_unless(sigma > 0 && sigma < 1, "sigma %f", sigma);
-    if (factor == 1) {
-      fail_unless(moved == 0, "moved %f", moved);
-      fail_if(gst_structure_has_field(last, "hint"), "nothing is to be done");
-      fail_unless(number(last, "rms") < 0.15, "rms %f", number(last, "rms"));
-      const Pose truth = to_pose(f.scene.pose(kFrames - 1));
-      const auto translation = gst::get_doubles(last, "translation");
-      const auto rotation = gst::get_doubles(last, "rotation");
-      for (std::size_t i = 0; i < 3; ++i) {
-        fail_unless(std::abs(translation.at(i) - truth.translation[i]) < 2e-3);
-        fail_unless(std::abs(rotation.at(i) - truth.rotation[i]) < 1e-2);
-      }
-    } else {
-      fail_unless(moved > 4 && moved < 12, "moved %f", moved);
-      fail_unless(std::strstr(gst_structure_get_string(last, "hint"), "has moved") != nullptr);
-    }
-  }
-}
-GST_END_TEST;
-
-GST_START_TEST(test_recheck_that_cannot_be_read) {
-  for (const char* text : {"/no/such/file.json", "{", "fx=1"}) {
-    const auto texts = check::errors_at_start("calibdetect", "recheck", text);
-    fail_unless(texts.size() == 1 && texts[0].find("recheck") != std::string::npos, "for '%s'",
-                text);
-  }
-  Fixture f;
-  g_object_set(f.element, "recheck", calibration_of(f.scene, 1).c_str(), nullptr);
-  gst_harness_push(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 0));
-  g_object_set(f.element, "recheck", "/no/such/file.json", nullptr);
-  int n = 1;
-  while (!f.bus.says(GST_MESSAGE_WARNING, "/no/such/file.json")) {
-    gst_harness_push(f.h, check::frame_of(f.scene.picture(1), "GRAY8", n++));
-  }
-  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "The calibration that recheck had goes on."));
-  fail_unless_equals_int(f.bus.named("calib-check").size(), n);
-}
-GST_END_TEST;
-
-GST_START_TEST(test_recheck_of_a_calibration_of_another_aspect) {
-  Fixture f;
-  g_object_set(f.element, "recheck",
-               "fx=500,fy=500,cx=639.5,cy=359.5,width=1280,height=720,model=pinhole", nullptr);
-  for (int n = 0; n < 3; ++n) {
-    gst_harness_push(f.h, check::frame_of(f.scene.picture(n), "GRAY8", n));
-  }
-  fail_unless(f.bus.named("calib-check").empty());
-  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
-  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "aspect"));
-}
-GST_END_TEST;
-
 // How long the change to READY takes while a frame is being looked at, us; absent where the
 // detection was over before it.
 static std::optional<gint64> stop_while_detecting(const char* launch, const GrayImage& picture) {
-  Fixture f(launch);
+  check::DetectFixture f(launch);
   gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", picture.size()));
   std::thread pusher([&] { gst_harness_push(f.h, check::frame_of(picture, "GRAY8", 0)); });
   g_usleep(30000);
@@ -471,9 +373,6 @@ static Suite* calibdetect_suite() {
   tcase_add_test(tc, test_a_board_that_is_set_again_is_not_read_again);
   tcase_add_test(tc, test_no_result_crosses_a_caps_change);
   tcase_add_test(tc, test_flush_caps_change_and_state_cycles);
-  tcase_add_test(tc, test_recheck_tells_a_camera_from_another);
-  tcase_add_test(tc, test_recheck_that_cannot_be_read);
-  tcase_add_test(tc, test_recheck_of_a_calibration_of_another_aspect);
   tcase_add_test(tc, test_no_state_change_waits_for_a_detection);
   return suite;
 }

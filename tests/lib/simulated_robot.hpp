@@ -98,4 +98,12 @@ inline PlaceError carrier_error(const HandEye& found, const SE3& truth) {
   return place_error(board, truth);
 }
 
+inline constexpr EyeSetup kSetups[] = {EyeSetup::kInHand, EyeSetup::kToHand};
+
+inline HandEyeOptions with(EyeSetup setup) {
+  HandEyeOptions options;
+  options.setup = setup;
+  return options;
+}
+
 }  // namespace calvin::scenes

@@ -44,7 +44,7 @@ TESTS = {
     "zoom_io",
     "detect": "detect nearest",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
-    "rig": "rig light solve_rig left_out solve_zooming strobl",
+    "rig": "rig floor light solve_rig left_out solve_zooming strobl",
     "remap": "undistorter views remap rectification",
     "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
     "refine_with_camera watch rig_session",
