@@ -59,7 +59,7 @@ NEAR = {
     "geometry": "session pose difference solve_initial camera motion solve",
     "camera": "solve_peers solve_opencv solve_omni solve_initial undistorter views remap_view "
     "solve_ceres solve uncertainty",
-    "target": "board_names board_drawing observations io",
+    "target": "board_names board_drawing observations io solve_board_text",
     "io": "calibundistort_files calibsolve_settings",
     "detect": "refine_with_camera calibdetect",
     "solve": "solve_zooming refine_with_camera calibsolve*",
