@@ -9,6 +9,8 @@
 #   - no folder holds more than 25 .cpp and .hpp files (io/ has one for each format);
 #   - every .cpp opens with a comment that says what it is for;
 #   - no file but target/grid.hpp counts the ids of control points in rows;
+#   - files of the library that --unity=on may join have no name of their own in common: joined are
+#     eight in a row, and which ones changes with every file that is added or left out;
 #   - no file but camera/image_transform.hpp knows where the centre of a pixel is in a picture of
 #     another size.
 #   structure.py [FOLDER]    the top of the tree
@@ -18,6 +20,7 @@ import re
 import sys
 
 MOST_FILES = 25
+NEIGHBOURS = 12  # files that may be joined, with some between them left out
 UNLIMITED = {"lib/calvin/io"}  # a file for each format
 
 # The one file that knows the order of the unknowns, and what others look like that count for
@@ -126,6 +129,40 @@ def check_sizes():
             faults.append(f"{name} holds {count} files, more than {MOST_FILES}")
 
 
+def own_names(text):
+    """Of what the anonymous namespaces of a file define; functions with their types."""
+    names = set()
+    for body in re.findall(r"^namespace \{\n(.*?)^\}  // namespace$", text, re.S | re.M):
+        names.update(re.findall(r"^(?:constexpr|const) [^\n=({;]*?\b(\w+) ?(?:=|\{|\[)", body, re.M))
+        names.update(re.findall(r"^(?:struct|class|enum class) (\w+)", body, re.M))
+        names.update(re.findall(r"^using (\w+) =", body, re.M))
+        function = r"^[A-Za-z][\w:<>,&*\s]*?[\s&*](\w+)(\((?:[^()]|\([^()]*\))*\))(?: const)? \{"
+        for name, given in re.findall(function, body, re.M):
+            types = re.sub(r"\b\w+(?=[,)])", "", re.sub(r"/\*.*?\*/", "", given))
+            names.add(name + re.sub(r"\s+", "", types))
+    return names
+
+
+def check_joined():
+    rooms = re.findall(r"subdir\('calvin/(\w+)'\)", (top / "lib/meson.build").read_text())
+    joined = []
+    for room in rooms:
+        text = (top / "lib/calvin" / room / "meson.build").read_text()
+        lists = {"sources": [], "kernels": []}
+        for kind, files in re.findall(r"calvin_(\w+) \+= files\((.*?)\)", text, re.S):
+            lists[kind] += re.findall(r"'([\w/]+\.cpp)'", files)
+        joined += [f"lib/calvin/{room}/{f}" for f in lists["sources"] if f not in lists["kernels"]]
+    read = []
+    for name in joined:
+        text = (top / name).read_text()
+        inside = set(re.findall(r"^namespace ([\w:]+) \{$", text, re.M))
+        for other, its_inside, its_names in read[1 - NEIGHBOURS :]:
+            own = own_names(text) & its_names if inside & its_inside else ()
+            for one in sorted(own):
+                faults.append(f"{other} and {name} each have a {one} of their own: name them apart")
+        read.append((name, inside, own_names(text)))
+
+
 def check_purpose():
     for folder in ("lib", "gst", "tests", "examples"):
         for path in sources(folder):
@@ -159,6 +196,7 @@ check_library()
 check_plugin()
 check_order()
 check_sizes()
+check_joined()
 check_purpose()
 check_grids()
 check_pixel_centres()

@@ -15,8 +15,8 @@ namespace calvin::synth {
 
 namespace {
 
-constexpr int kStep = 8;             // px between exact rays
-constexpr double kTolerance = 1e-4;  // px
+constexpr int kStep = 8;                // px between exact rays
+constexpr double kSmoothEnough = 1e-4;  // px
 
 using Weights = std::array<double, 4>;
 
@@ -111,7 +111,7 @@ class Interpolator {
   bool is_smooth(const Patch& nodes, int i, int j) const {
     const Eigen::Vector3d error =
         combine(combine_rows(nodes, half_), half_) - exact(i + kStep / 2, j + kStep / 2);
-    return error.norm() * std::max(camera_.fx(), camera_.fy()) < kTolerance;
+    return error.norm() * std::max(camera_.fx(), camera_.fy()) < kSmoothEnough;
   }
 
   void fill_cell(int i, int j) {
