@@ -143,6 +143,11 @@ def own_names(text):
     return names
 
 
+def names_in_functions(text):
+    """Of constants, for which a compiler warns that they hide those of a file joined to theirs."""
+    return set(re.findall(r"^ +constexpr [^\n=({;]*?\b(\w+) ?(?:=|\{|\[)", text, re.M))
+
+
 def check_joined():
     rooms = re.findall(r"subdir\('calvin/(\w+)'\)", (top / "lib/meson.build").read_text())
     joined = []
@@ -156,11 +161,13 @@ def check_joined():
     for name in joined:
         text = (top / name).read_text()
         inside = set(re.findall(r"^namespace ([\w:]+) \{$", text, re.M))
-        for other, its_inside, its_names in read[1 - NEIGHBOURS :]:
-            own = own_names(text) & its_names if inside & its_inside else ()
-            for one in sorted(own):
+        own, hiding = own_names(text), names_in_functions(text)
+        for other, its_inside, its_own in read[1 - NEIGHBOURS :]:
+            if not inside & its_inside:
+                continue
+            for one in sorted(own & its_own | hiding & its_own):
                 faults.append(f"{other} and {name} each have a {one} of their own: name them apart")
-        read.append((name, inside, own_names(text)))
+        read.append((name, inside, own))
 
 
 def check_purpose():

@@ -24,7 +24,7 @@ namespace calvin::io {
 
 namespace {
 
-constexpr double kMost = std::numeric_limits<double>::max();
+constexpr double kLargestNumber = std::numeric_limits<double>::max();
 
 // The first thing that is wrong, as a clause: "its rms is nan".
 using Why = std::optional<std::string>;
@@ -32,8 +32,8 @@ using Why = std::optional<std::string>;
 struct Field {
   std::string_view name;
   std::optional<double> value;
-  double least = -kMost;
-  double most = kMost;
+  double least = -kLargestNumber;
+  double most = kLargestNumber;
 };
 
 Why first_wrong(const std::vector<Field>& fields) {

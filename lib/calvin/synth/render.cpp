@@ -305,8 +305,8 @@ Observation true_observation(const Camera& camera, const Board& board,
 }
 
 Camera default_camera(ImageSize size, double field_of_view) {
-  constexpr double kDegree = std::numbers::pi / 180;
-  const double r = std::tan(std::clamp(field_of_view, 10 * kDegree, 110 * kDegree) / 2);
+  constexpr double kRadPerDegree = std::numbers::pi / 180;
+  const double r = std::tan(std::clamp(field_of_view, 10 * kRadPerDegree, 110 * kRadPerDegree) / 2);
   // Beyond 70 degrees the distortion at the border grows no further: the image would fold back.
   const double s = std::min(1.0, 0.5 / (r * r));
   const std::array<double, 5> lens = {-0.25 * s, 0.08 * s * s, 6e-4, -4e-4, -0.01 * s * s * s};
