@@ -105,6 +105,24 @@ std::optional<bool> upstream_says_live(GstPad* sink) {
   return live != FALSE;
 }
 
-bool upstream_is_live(GstPad* sink) { return upstream_says_live(sink).value_or(true); }
+// As splitmuxsrc, which does not answer the LATENCY query.
+static bool upstream_is_recorded(GstPad* sink) {
+  g_autoptr(GstQuery) duration = gst_query_new_duration(GST_FORMAT_TIME);
+  if (gst_pad_peer_query(sink, duration)) {
+    gint64 length = -1;
+    gst_query_parse_duration(duration, nullptr, &length);
+    if (length > 0) return true;
+  }
+  g_autoptr(GstQuery) seeking = gst_query_new_seeking(GST_FORMAT_TIME);
+  if (!gst_pad_peer_query(sink, seeking)) return false;
+  gboolean seekable = FALSE;
+  gst_query_parse_seeking(seeking, nullptr, &seekable, nullptr, nullptr);
+  return seekable != FALSE;
+}
+
+bool upstream_is_live(GstPad* sink) {
+  if (const auto said = upstream_says_live(sink)) return *said;
+  return !upstream_is_recorded(sink);
+}
 
 }  // namespace calvin::gst

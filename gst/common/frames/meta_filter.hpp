@@ -41,8 +41,8 @@ void add_raw_video_pads(GstElementClass* element_class);
 // Streaming thread.
 [[nodiscard]] std::optional<bool> upstream_says_live(GstPad* sink);
 
-// True unless the LATENCY query upstream says that the source is not live: one that cannot answer
-// must not be held up. Streaming thread.
+// True unless the LATENCY query upstream says that the source is not live, or what does not answer
+// it has a duration or can be seeked: anything else must not be held up. Streaming thread.
 [[nodiscard]] bool upstream_is_live(GstPad* sink);
 
 }  // namespace calvin::gst

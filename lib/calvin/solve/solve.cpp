@@ -6,6 +6,7 @@
 #include "calvin/solve/solve.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -140,6 +141,18 @@ constexpr const char* kOwnViews =
 constexpr const char* kOtherBoard =
     "The measured board is not used, for these views show it otherwise: it is another sheet, or it "
     "is bent. Measure it anew under a name of its own (calvin-board measure).";
+
+constexpr const char* kReadoutIdle =
+    "The readout time has no effect: nothing tells how fast the board moved. That takes frames "
+    "with "
+    "timestamps, or a framerate in their caps, which show the board one after the other.";
+
+// Whether a readout was given that moves no corner, for want of their velocities.
+bool is_readout_idle(std::span<const View> views, const SolveOptions& options) {
+  const auto& readout = options.readout;
+  return options.checks && readout && std::abs(readout->value) > readout->sigma &&
+         std::ranges::all_of(views, [](const View& v) { return v.observation.velocity.empty(); });
+}
 
 // Whether views that could be labelled in one way alone are enough to be trusted with the offsets
 // of points: most of them.
@@ -312,6 +325,7 @@ Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
   rejected.insert(rejected.end(), usable->rejected.begin(), usable->rejected.end());
   std::sort(rejected.begin(), rejected.end(),
             [](const RejectedView& a, const RejectedView& b) { return a.index < b.index; });
+  if (is_readout_idle(views, options)) solution->calibration.remarks.emplace_back(kReadoutIdle);
   return named(std::move(solution), views, options);
 }
 

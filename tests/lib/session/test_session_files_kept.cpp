@@ -127,6 +127,31 @@ TEST_F(FilesOfSessions, AreReplacedAtOnceWhereThatIsSet) {
   EXPECT_TRUE(is_left(path_ + "~"));
 }
 
+// Whether that was a loss is said of the final result: the first one of a few views is always
+// worse.
+TEST_F(FilesOfSessions, AreSaidToBeLostByTheFinalResult) {
+  for (const double last : {0.1, 0.3}) {
+    std::filesystem::remove(path_ + "~");
+    leave(0.2);
+    SessionSettings settings;
+    settings.location = path_;
+    settings.overwrite = true;
+    begin(settings);
+    show(3);
+    solve(0.5);
+    write();
+    EXPECT_EQ(notices().size(), 0U);
+    ASSERT_TRUE(session_.solve_now(settings_).has_value());
+    solve(last);
+    write();
+    const auto said = notices();
+    ASSERT_EQ(said.size(), last > 0.2 ? 1U : 0U);
+    EXPECT_TRUE(said.empty() || said[0].find("with an expected error of 0.2") != std::string::npos)
+        << said[0];
+    EXPECT_TRUE(is_left(path_ + "~"));
+  }
+}
+
 // Of two sessions in a row that were worse, the second one takes the place of the first.
 TEST_F(FilesOfSessions, KeepTheBestOfSeveralSessions) {
   leave(0.01);

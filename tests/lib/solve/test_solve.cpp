@@ -321,5 +321,29 @@ TEST_F(Solve, UselessViewsAreLeftOutAndNamed) {
   EXPECT_EQ(solution->calibration.views.size(), 9u);
 }
 
+// A readout that is given moves corners by their velocities, which frames without times have not.
+TEST_F(Solve, SaysThatAReadoutHasNoEffectWhereNothingMoves) {
+  scenes::Random random(3);
+  const Camera camera = scenes::random_camera("brown4", random);
+  auto views =
+      scenes::observe_all(camera, scenes::kBoard,
+                          scenes::random_poses(camera, scenes::kBoard, random, 12), 0.05, random);
+  const auto says_so = [&views](std::optional<ReadoutTime> readout) {
+    SolveOptions options;
+    options.model = "brown4";
+    options.readout = readout;
+    const auto solution = solve(views, scenes::kSize, options);
+    EXPECT_TRUE(solution.has_value());
+    return solution && std::ranges::any_of(solution->calibration.remarks, [](const auto& remark) {
+             return remark.find("readout time has no effect") != std::string::npos;
+           });
+  };
+  EXPECT_TRUE(says_so(ReadoutTime{0.02, 0}));
+  EXPECT_FALSE(says_so(ReadoutTime{0, 0.03})) << "nobody has given one";
+  EXPECT_FALSE(says_so({}));
+  views[3].observation.velocity.assign(views[3].observation.uv.size(), {1, 2});
+  EXPECT_FALSE(says_so(ReadoutTime{0.02, 0}));
+}
+
 }  // namespace
 }  // namespace calvin

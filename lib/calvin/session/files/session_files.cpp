@@ -37,14 +37,7 @@ bool is_better(const Calibration& one, const Calibration& other) {
   return *error * other.image_size.width < *of_other * one.image_size.width;
 }
 
-// A copy of what a file held, which is kept unless a better one of the same camera is there
-// already, and where it is for the user.
-struct Kept {
-  Status status;
-  std::string where;
-};
-
-Kept keep_calibration(const std::string& path, const Calibration& before) {
+KeptCopy keep_calibration(const std::string& path, const Calibration& before) {
   const auto copy = read_calibration(copy_of(path));
   const bool is_like =
       copy && copy->camera == before.camera && copy->image_size == before.image_size;
@@ -59,7 +52,7 @@ Kept keep_calibration(const std::string& path, const Calibration& before) {
 
 // A word for the user where the calibration before was better by its own figures.
 std::optional<Error> lost_by(const std::string& path, const Calibration& before,
-                             const Calibration& now, const Kept& kept) {
+                             const Calibration& now, const KeptCopy& kept) {
   if (!compared_error(before)) {
     if (kept.status) return std::nullopt;
     return Error{kept.status.error().code,
@@ -151,7 +144,10 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
                                           const Calibration& calibration, bool final,
                                           bool overwrite, std::uint64_t session,
                                           const Questions& questions) {
-  if (std::exchange(session_, session) != session) ours_.clear();
+  if (std::exchange(session_, session) != session) {
+    ours_.clear();
+    replaced_.clear();
+  }
   const Foreign foreign = find_foreign(files);
   const auto better = std::ranges::find_if(foreign.calibrations, [&](const Calibration& before) {
     return is_better_of_same(before, calibration);
@@ -175,11 +171,18 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
       if (outcome.kept.empty()) outcome.kept = file.path;
       continue;
     }
-    const Kept kept = before != nullptr ? keep_calibration(file.path, *before) : Kept();
+    if (before != nullptr) {
+      replaced_.insert_or_assign(file.path,
+                                 Replaced{*before, keep_calibration(file.path, *before)});
+    }
     std::optional<Error> lost;
     if (is_foreign && before == nullptr) lost = keep_other(file.path);
     Status written = write_one(file, calibration);
-    if (before != nullptr) lost = lost_by(file.path, *before, calibration, kept);
+    const auto replaced = replaced_.find(file.path);
+    if (final && replaced != replaced_.end()) {
+      lost = lost_by(file.path, replaced->second.before, calibration, replaced->second.kept);
+      if (written) replaced_.erase(replaced);
+    }
     if (written && lost && !outcome.lost) outcome.lost = std::move(lost);
     if (!written && outcome.status) outcome.status = std::move(written);
   }

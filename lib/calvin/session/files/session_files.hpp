@@ -16,6 +16,13 @@
 
 namespace calvin {
 
+// A copy of what a file held, which is kept unless a better one of the same camera is there
+// already, and where it is for the user.
+struct KeptCopy {
+  Status status;
+  std::string where;
+};
+
 // Belongs to the thread that writes.
 class SessionFiles {
  public:
@@ -40,7 +47,8 @@ class SessionFiles {
   // before: what someone has put there since is another session's. With `overwrite` all are
   // replaced. What is no calibration is kept, too. A pipe or a device gets final results alone:
   // what is read from it cannot be replaced. What another session's file FILE held is kept as
-  // FILE~, unless that holds a better one of the same camera already.
+  // FILE~, unless that holds a better one of the same camera already; that it was better is said
+  // with the final result.
   //
   // Before each file counts() is asked; once it is false the others stay as they are.
   [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
@@ -60,6 +68,14 @@ class SessionFiles {
 
   std::uint64_t session_ = 0;
   std::map<std::string, std::string> ours_;  // by path, what session_ has written last
+
+  // A calibration of another session whose place was taken by a result on the way, and where it is
+  // now: whether anything was lost the final result tells.
+  struct Replaced {
+    Calibration before;
+    KeptCopy kept;
+  };
+  std::map<std::string, Replaced> replaced_;  // by path
 };
 
 }  // namespace calvin
