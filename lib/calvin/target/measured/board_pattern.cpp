@@ -94,9 +94,9 @@ std::string to_words(const BoardPattern& pattern) {
         pattern.value, pattern.printed);
   }
   return fmt::format(
-      "A board that is {:.2g} % longer along its {} would do that, as printers make it: measure it "
-      "both ways.",
-      100 * std::abs(pattern.value), pattern.value > 0 ? "rows" : "columns");
+      "A board that is longer along its {} than its text has it would do that, as some printers "
+      "make it: measure it both ways.",
+      pattern.value > 0 ? "rows" : "columns");
 }
 
 }  // namespace calvin

@@ -25,7 +25,8 @@ struct SeenOffset {
 // A change of the text of a board that explains most of the offsets of its corners.
 struct BoardPattern {
   enum class Kind {
-    kAspect,  // `value` is how much longer the board is along x than along y, of its length
+    kAspect,  // `value` is how much longer the board is along x than along y, of its length, at the
+              // least: another focal length along x may have done for the rest of it
     kGap,     // `value` is the gap from every second column and row to the next, of a pitch
   };
   Kind kind = Kind::kAspect;
