@@ -158,7 +158,7 @@ TEST_P(Circles, HaveNoBias) {
     double sum = 0;
     int count = 0;
     std::vector<double> all;
-    for (int i = 0; i < (scenes::full_count() ? 100 : 3); ++i) {
+    for (int i = 0; i < (scenes::full_count() ? 100 : 5); ++i) {
       const ImageSize size{1280, 960};
       const Camera camera = scenes::random_camera(model, random, size);
       const SE3 pose = scenes::random_pose(camera, board, random, std::numbers::pi / 3);
