@@ -133,10 +133,10 @@ def own_names(text):
     """Of what the anonymous namespaces of a file define; functions with their types."""
     names = set()
     for body in re.findall(r"^namespace \{\n(.*?)^\}  // namespace$", text, re.S | re.M):
-        names.update(re.findall(r"^(?:constexpr|const) [^\n=({;]*?\b(\w+) ?(?:=|\{|\[)", body, re.M))
-        names.update(re.findall(r"^(?:struct|class|enum class) (\w+)", body, re.M))
+        names.update(re.findall(r"^(?:constexpr|const) [^\n=({;]*?\b(\w+) ?(?:=|\{|\[|;)", body, re.M))
+        names.update(re.findall(r"^(?:struct|class|enum class|enum) (\w+)", body, re.M))
         names.update(re.findall(r"^using (\w+) =", body, re.M))
-        function = r"^[A-Za-z][\w:<>,&*\s]*?[\s&*](\w+)(\((?:[^()]|\([^()]*\))*\))(?: const)? \{"
+        function = r"^[A-Za-z][\w:<>,&*\s]*?[\s&*](\w+)(\((?:[^()]|\([^()]*\))*\))(?: const)?(?: noexcept)? \{"
         for name, given in re.findall(function, body, re.M):
             types = re.sub(r"\b\w+(?=[,)])", "", re.sub(r"/\*.*?\*/", "", given))
             names.add(name + re.sub(r"\s+", "", types))
@@ -155,7 +155,7 @@ def check_joined():
         text = (top / "lib/calvin" / room / "meson.build").read_text()
         lists = {"sources": [], "kernels": []}
         for kind, files in re.findall(r"calvin_(\w+) \+= files\((.*?)\)", text, re.S):
-            lists[kind] += re.findall(r"'([\w/]+\.cpp)'", files)
+            lists[kind] += re.findall(r"'([\w/-]+\.cpp)'", files)
         joined += [f"lib/calvin/{room}/{f}" for f in lists["sources"] if f not in lists["kernels"]]
     read = []
     for name in joined:

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include "calvin/io/calibration_io.hpp"
 #include "common/values.hpp"

@@ -76,12 +76,11 @@ Error no_frames() {
 }
 
 Error nothing_detected() {
-  return {
-      ErrorCode::kDegenerate,
-      "No calibration: no view of the board was taken, since no detector has said anything of "
-      "any frame. calibsolve comes after calibdetect, as in calibdetect ! calibsolve, and "
-      "elements between them, as videoflip, may lose what was found. Of frames that could not be "
-      "read calibdetect has warned."};
+  return {ErrorCode::kDegenerate,
+          "No calibration: no view of the board was taken, since no detector has said anything of "
+          "any frame. calibsolve comes after calibdetect, as in calibdetect ! calibsolve, and "
+          "elements between them, as videoflip, may lose what was found. Where frames could not be "
+          "read, calibdetect has warned of it."};
 }
 
 Error too_few_points(const std::string& hint) {

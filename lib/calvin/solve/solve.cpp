@@ -149,8 +149,10 @@ constexpr const char* kReadoutIdle =
 
 // Whether a readout was given that moves no corner, for want of their velocities.
 bool is_readout_idle(std::span<const View> views, const SolveOptions& options) {
+  constexpr double kAllAtOnce = 1e-6;  // s
   const auto& readout = options.readout;
-  return options.checks && readout && std::abs(readout->value) > readout->sigma &&
+  return options.checks && readout &&
+         std::abs(readout->value) > std::max(readout->sigma, kAllAtOnce) &&
          std::ranges::all_of(views, [](const View& v) { return v.observation.velocity.empty(); });
 }
 
@@ -295,6 +297,7 @@ Result<Solution> named(Result<Solution> solution, std::span<const View> views,
   solution->calibration.camera =
       options.camera.empty() ? views.front().observation.camera : options.camera;
   solution->calibration.board = board_text(views, solution->rejected);
+  if (is_readout_idle(views, options)) solution->calibration.remarks.emplace_back(kReadoutIdle);
   return solution;
 }
 
@@ -325,7 +328,6 @@ Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
   rejected.insert(rejected.end(), usable->rejected.begin(), usable->rejected.end());
   std::sort(rejected.begin(), rejected.end(),
             [](const RejectedView& a, const RejectedView& b) { return a.index < b.index; });
-  if (is_readout_idle(views, options)) solution->calibration.remarks.emplace_back(kReadoutIdle);
   return named(std::move(solution), views, options);
 }
 

@@ -32,7 +32,7 @@ struct Kind {
   const char* other;  // a board of this kind that is not this one
   double least;       // percent of the corners that are named in pictures of the classes that are
   double least_hard;  // not hard, and of those that are
-  bool is_variant = false;  // of the kind before, by its codes
+  bool is_variant = false;  // of a kind before
 };
 constexpr Kind kKinds[] = {
     {"Circles", "checkerboard:14x9:20mm:circles", "checkerboard:14x9:20mm:circles=2.2+3.2+2.3", 95,
@@ -135,7 +135,7 @@ TEST_P(Codes, NameTheCornersThatAreSeen) {
   int classes = 0;
   for (bench::SceneClass kind : bench::scene_classes()) {
     if (kind.dark > kind.bright || *kind.board != 0) continue;
-    // Boards that differ in their codes alone go by one half of the classes.
+    // What another place, order, colour or border does is seen in half of the classes.
     if (!full && GetParam().is_variant && ++classes % 2 == 0) continue;
     kind.board = GetParam().board;
     Score score;

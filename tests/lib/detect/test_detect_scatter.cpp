@@ -6,12 +6,12 @@
 #include <cmath>
 #include <iostream>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "calvin/detect/checkerboard/scatter.hpp"
-#include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "scenes.hpp"
 

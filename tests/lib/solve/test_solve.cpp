@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // The solve: honest covariance, plain least squares, outliers, and what is left out.
+#include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -340,6 +341,7 @@ TEST_F(Solve, SaysThatAReadoutHasNoEffectWhereNothingMoves) {
   };
   EXPECT_TRUE(says_so(ReadoutTime{0.02, 0}));
   EXPECT_FALSE(says_so(ReadoutTime{0, 0.03})) << "nobody has given one";
+  EXPECT_FALSE(says_so(ReadoutTime{1e-9, 0})) << "all rows at once";
   EXPECT_FALSE(says_so({}));
   views[3].observation.velocity.assign(views[3].observation.uv.size(), {1, 2});
   EXPECT_FALSE(says_so(ReadoutTime{0.02, 0}));

@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // What is said of a board whose text is wrong by a length, or that a printer has stretched.
+#include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,20 +66,29 @@ std::string remarks_of(const std::vector<View>& views, bool offsets = false) {
 
 // Gaps are measured as well as the text has them, to a few thousandths of a tag.
 TEST(BoardText, IsSaidToHaveOtherGaps) {
-  for (const auto& [gap, offsets] :
-       {std::pair{0.24, false}, {0.28, false}, {0.31, false}, {0.35, false}, {0.28, true}}) {
-    const auto points = parse_board("aprilgrid:6x6:88mm:" + std::to_string(gap))->points();
+  struct Case {
+    const char* grid;
+    double gap;
+    bool offsets;
+  };
+  for (const auto& [grid, gap, offsets] : {Case{"6x6", 0.24, false},
+                                           {"6x6", 0.28, false},
+                                           {"6x6", 0.31, false},
+                                           {"6x4", 0.35, false},
+                                           {"6x6", 0.28, true},
+                                           {"6x4", 0.31, true}}) {
+    const std::string board = std::string("aprilgrid:") + grid + ":88mm:";
+    const auto points = parse_board(board + std::to_string(gap))->points();
     const auto views = views_of(
-        "aprilgrid:6x6:88mm:0.3", [&](const Board& /*board*/, std::size_t i) { return points[i]; },
-        3);
+        board + "0.3", [&](const Board& /*board*/, std::size_t i) { return points[i]; }, 3);
     const std::string said = remarks_of(views, offsets);
     double measured = 0;
     double printed = 0;
     const auto at = said.find("Gaps of");
     ASSERT_NE(at, std::string::npos) << gap << ": " << said;
-    ASSERT_EQ(
-        std::sscanf(said.c_str() + at, "Gaps of %lf of a tag instead of %lf", &measured, &printed),
-        2);
+    ASSERT_EQ(std::sscanf(said.c_str() + at, "Gaps of %lf of a tag (%*f mm) instead of %lf",
+                          &measured, &printed),
+              2);
     EXPECT_NEAR(measured, gap, 0.003 + 0.1 * std::abs(gap - 0.3)) << said;
     EXPECT_EQ(printed, 0.3);
   }

@@ -179,8 +179,11 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
     if (is_foreign && before == nullptr) lost = keep_other(file.path);
     Status written = write_one(file, calibration);
     const auto replaced = replaced_.find(file.path);
-    if (final && replaced != replaced_.end()) {
-      lost = lost_by(file.path, replaced->second.before, calibration, replaced->second.kept);
+    // Without a copy it is gone whatever comes next.
+    if (replaced != replaced_.end() && (final || !replaced->second.kept.status)) {
+      if (!lost) {
+        lost = lost_by(file.path, replaced->second.before, calibration, replaced->second.kept);
+      }
       if (written) replaced_.erase(replaced);
     }
     if (written && lost && !outcome.lost) outcome.lost = std::move(lost);

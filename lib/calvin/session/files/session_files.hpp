@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
+#include "calvin/core/result.hpp"
 #include "calvin/session/files/calibration_files.hpp"
 
 namespace calvin {

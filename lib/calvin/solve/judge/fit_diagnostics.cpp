@@ -145,11 +145,13 @@ class FitDiagnosis {
       if (in_plane > kSignificant) {
         result.board_variance = scores_->board_shared().variance();
         if (shape_.grid && scores_->boards() == 1) {
-          result.board_pattern = board_pattern(*shape_.grid, scores_->offsets(*shape_.grid));
+          result.board_pattern =
+              board_pattern(*shape_.grid, scores_->offsets(*shape_.grid), OffsetsOf::kResiduals);
         }
       }
     } else if (shape_.grid) {
-      result.board_pattern = board_pattern(*shape_.grid, estimated_offsets());
+      result.board_pattern =
+          board_pattern(*shape_.grid, estimated_offsets(), OffsetsOf::kMeasurement);
     }
     if (!(predicted_ > 0) || used_ < 2) return;
     result.split_half_ratio = std::sqrt(observed_ / predicted_);

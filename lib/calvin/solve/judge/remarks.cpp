@@ -193,11 +193,11 @@ std::string explain(const Misfit& misfit, const FitDiagnostics& diagnostics,
   const Misfit::Cause cause = misfit.found() ? misfit.cause : misfit.noticed;
   if (cause == Misfit::Cause::kNone) return {};
   std::string text = finding(cause, misfit, diagnostics, chi);
-  text += is_held(misfit, diagnostics, promise) ? effect(cause, promise)
-                                                : " The expected error does not hold that.";
   if (cause == Misfit::Cause::kBoard && diagnostics.board_pattern) {
     text += " " + to_words(*diagnostics.board_pattern);
   }
+  text += is_held(misfit, diagnostics, promise) ? effect(cause, promise)
+                                                : " The expected error does not hold that.";
   return misfit.found() ? text + " " + advice(cause) : text;
 }
 

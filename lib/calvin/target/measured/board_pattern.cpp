@@ -13,22 +13,26 @@ namespace calvin {
 
 namespace {
 
-// Of the squares of the offsets: less is explained by what a change happens to have in common with
-// offsets of another origin.
-constexpr double kMostOfThem = 0.7;
-constexpr std::size_t kFewCorners = 12;
+// Of the squares of the offsets. Of n corners that are off each by itself a change explains 1 / (2
+// n) by chance; a lens or a bend that looks like it in part leaves more than this to explain.
+constexpr double kLeastExplained = 0.7;
+constexpr std::size_t kFewestCorners = 12;
 
 // Displacements of all corners, along x and then along y, in standard deviations.
 class Displacements {
  public:
-  Displacements(const Grid& grid, const std::vector<SeenOffset>& corners) : corners_(corners) {
+  Displacements(const Grid& grid, const std::vector<SeenOffset>& corners, OffsetsOf of)
+      : corners_(corners) {
     const auto whole = [](const Eigen::Vector2d& at, int column) -> Eigen::Vector2d {
       if (column == 0) return {1, 0};
       if (column == 1) return {0, 1};
       if (column == 2) return {-at.y(), at.x()};
-      return at;
+      if (column == 3) return at;
+      if (column == 4) return {at.x(), -at.y()};
+      return {at.y(), at.x()};
     };
-    for (int column = 0; column < 4; ++column) {
+    const int columns = of == OffsetsOf::kMeasurement ? 6 : 4;
+    for (int column = 0; column < columns; ++column) {
       const Eigen::VectorXd v = left_by_whole([&](const SeenOffset& c) {
         return whole({grid.distance_to(c.place.col), grid.distance_to(c.place.row)}, column);
       });
@@ -36,7 +40,7 @@ class Displacements {
     }
   }
 
-  // What shift, turn and scale of the whole board leave of displacements: `of` has one per corner.
+  // What motions of the whole board leave of displacements: `of` has one per corner.
   template <typename Of>
   [[nodiscard]] Eigen::VectorXd left_by_whole(const Of& of) const {
     Eigen::VectorXd v(2 * static_cast<Eigen::Index>(corners_.size()));
@@ -57,31 +61,35 @@ class Displacements {
 
 }  // namespace
 
-std::optional<BoardPattern> board_pattern(const Grid& grid,
-                                          const std::vector<SeenOffset>& corners) {
-  if (corners.size() < kFewCorners) return std::nullopt;
-  const Displacements displacements(grid, corners);
+std::optional<BoardPattern> board_pattern(const Grid& grid, const std::vector<SeenOffset>& corners,
+                                          OffsetsOf of) {
+  if (corners.size() < kFewestCorners) return std::nullopt;
+  const Displacements displacements(grid, corners, of);
   const Eigen::VectorXd offsets =
       displacements.left_by_whole([](const SeenOffset& c) { return c.offset; });
   std::optional<BoardPattern> best;
-  double explained = kMostOfThem * offsets.squaredNorm();
+  double explained = kLeastExplained * offsets.squaredNorm();
   const auto add = [&](BoardPattern pattern, const auto& by) {
     const Eigen::VectorXd moved = displacements.left_by_whole(by);
     const double squares = moved.squaredNorm();
     const double both = moved.dot(offsets);
-    if (!(squares > 0) || both * both / squares < explained) return;
+    if (!(squares > 0) || !(both * both / squares > explained)) return;
     explained = both * both / squares;
     pattern.value = pattern.printed + both / squares;
     best = pattern;
   };
-  add({BoardPattern::Kind::kAspect, 0, 0}, [&](const SeenOffset& c) -> Eigen::Vector2d {
-    return {grid.distance_to(c.place.col) / 2, -grid.distance_to(c.place.row) / 2};
-  });
+  if (of == OffsetsOf::kResiduals) {
+    add({BoardPattern::Kind::kAspect, 0, 0, grid.pitch},
+        [&](const SeenOffset& c) -> Eigen::Vector2d {
+          return {grid.distance_to(c.place.col) / 2, -grid.distance_to(c.place.row) / 2};
+        });
+  }
   if (grid.gap > 0) {
     const double share = grid.gap / grid.pitch;
-    add({BoardPattern::Kind::kGap, share, share}, [&](const SeenOffset& c) -> Eigen::Vector2d {
-      return {c.place.col / 2 * grid.pitch, c.place.row / 2 * grid.pitch};
-    });
+    add({BoardPattern::Kind::kGap, share, share, grid.pitch},
+        [&](const SeenOffset& c) -> Eigen::Vector2d {
+          return {c.place.col / 2 * grid.pitch, c.place.row / 2 * grid.pitch};
+        });
   }
   return best;
 }
@@ -89,9 +97,9 @@ std::optional<BoardPattern> board_pattern(const Grid& grid,
 std::string to_words(const BoardPattern& pattern) {
   if (pattern.kind == BoardPattern::Kind::kGap) {
     return fmt::format(
-        "Gaps of {:.3g} of a tag instead of {:.3g} would do that: measure them, and see that the "
-        "text of the board has them.",
-        pattern.value, pattern.printed);
+        "Gaps of {:.3g} of a tag ({:.3g} mm) instead of {:.3g} would do that: measure them, and "
+        "see that the text of the board has them.",
+        pattern.value, 1e3 * pattern.value * pattern.pitch, pattern.printed);
   }
   return fmt::format(
       "A board that is longer along its {} than its text has it would do that, as some printers "

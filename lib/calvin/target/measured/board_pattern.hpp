@@ -25,19 +25,24 @@ struct SeenOffset {
 // A change of the text of a board that explains most of the offsets of its corners.
 struct BoardPattern {
   enum class Kind {
-    kAspect,  // `value` is how much longer the board is along x than along y, of its length, at the
-              // least: another focal length along x may have done for the rest of it
+    kAspect,  // where `value` is positive the board is longer along x than along y, else shorter;
+              // not by how much, as another focal length along x does for a part of it
     kGap,     // `value` is the gap from every second column and row to the next, of a pitch
   };
   Kind kind = Kind::kAspect;
   double value = 0;
   double printed = 0;  // what `value` is by the text
+  double pitch = 0;    // m, by the text
 };
 
-// Absent where no change explains them. A shift, a turn and a scale of the whole board are those of
-// its pose and its distance.
+// What is left of residuals knows all but shift, turn and scale of the whole board, which are those
+// of its pose and its distance. A measured board has no stretch and no shear either.
+enum class OffsetsOf { kResiduals, kMeasurement };
+
+// Absent where no change explains them.
 [[nodiscard]] std::optional<BoardPattern> board_pattern(const Grid& grid,
-                                                        const std::vector<SeenOffset>& corners);
+                                                        const std::vector<SeenOffset>& corners,
+                                                        OffsetsOf of);
 
 // A sentence that follows one on corners that are not where they should be.
 [[nodiscard]] std::string to_words(const BoardPattern& pattern);
