@@ -163,9 +163,10 @@ def check_joined():
         inside = set(re.findall(r"^namespace ([\w:]+) \{$", text, re.M))
         own, hiding = own_names(text), names_in_functions(text)
         for other, its_inside, its_own in read[1 - NEIGHBOURS :]:
-            if not inside & its_inside:
-                continue
-            for one in sorted(own & its_own | hiding & its_own):
+            clashes = own & its_own if inside & its_inside else set()
+            if any(a == b or a.startswith(b + "::") for a in inside for b in its_inside):
+                clashes |= hiding & its_own
+            for one in sorted(clashes):
                 faults.append(f"{other} and {name} each have a {one} of their own: name them apart")
         read.append((name, inside, own))
 

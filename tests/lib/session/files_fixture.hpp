@@ -18,9 +18,10 @@ namespace calvin {
 
 class FilesOfSessions : public CalibrationSessions {
  protected:
-  void begin_with(const std::string& exports = {}) {
+  void begin_with(const std::string& exports = {}, bool overwrite = false) {
     SessionSettings settings;
     settings.location = path_;
+    settings.overwrite = overwrite;
     settings.exports = exports;
     begin(settings);
   }

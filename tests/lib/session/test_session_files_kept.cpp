@@ -82,10 +82,7 @@ TEST_F(FilesOfSessions, KeepWhatIsBetterAndNotContradicted) {
     SCOPED_TRACE(fmt::format("{} {} {} {}", c.before, c.camera, c.contradicted, c.overwrite));
     std::filesystem::remove(path_ + "~");
     leave(c.before, c.camera);
-    SessionSettings settings;
-    settings.location = path_;
-    settings.overwrite = c.overwrite;
-    begin(settings);
+    begin_with({}, c.overwrite);
     are_contradicted_ = c.contradicted;
     show(3);
     ASSERT_TRUE(session_.solve_now(settings_).has_value());
@@ -116,10 +113,7 @@ TEST_F(FilesOfSessions, KeepExportsBesideWhatIsBetter) {
 
 TEST_F(FilesOfSessions, AreReplacedAtOnceWhereThatIsSet) {
   leave(0.01);
-  SessionSettings settings;
-  settings.location = path_;
-  settings.overwrite = true;
-  begin(settings);
+  begin_with({}, true);
   show(3);
   solve(0.5);
   write();
@@ -133,10 +127,7 @@ TEST_F(FilesOfSessions, AreSaidToBeLostByTheFinalResult) {
   for (const double last : {0.1, 0.3}) {
     std::filesystem::remove(path_ + "~");
     leave(0.2);
-    SessionSettings settings;
-    settings.location = path_;
-    settings.overwrite = true;
-    begin(settings);
+    begin_with({}, true);
     show(3);
     solve(0.5);
     write();

@@ -140,6 +140,18 @@ SessionFiles::Foreign SessionFiles::find_foreign(const std::vector<CalibrationFi
   return foreign;
 }
 
+std::optional<Error> SessionFiles::take_loss(const std::string& path, const Calibration& now,
+                                             bool final) {
+  const auto replaced = replaced_.find(path);
+  if (replaced == replaced_.end()) return std::nullopt;
+  const auto& [before, kept] = replaced->second;
+  // Without a copy it is gone whatever comes next.
+  if (!final && kept.status) return std::nullopt;
+  auto lost = lost_by(path, before, now, kept);
+  replaced_.erase(replaced);
+  return lost;
+}
+
 SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& files,
                                           const Calibration& calibration, bool final,
                                           bool overwrite, std::uint64_t session,
@@ -178,16 +190,12 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
     std::optional<Error> lost;
     if (is_foreign && before == nullptr) lost = keep_other(file.path);
     Status written = write_one(file, calibration);
-    const auto replaced = replaced_.find(file.path);
-    // Without a copy it is gone whatever comes next.
-    if (replaced != replaced_.end() && (final || !replaced->second.kept.status)) {
-      if (!lost) {
-        lost = lost_by(file.path, replaced->second.before, calibration, replaced->second.kept);
-      }
-      if (written) replaced_.erase(replaced);
+    if (!written) {
+      if (outcome.status) outcome.status = std::move(written);
+      continue;
     }
-    if (written && lost && !outcome.lost) outcome.lost = std::move(lost);
-    if (!written && outcome.status) outcome.status = std::move(written);
+    if (auto by_this = take_loss(file.path, calibration, final); !lost) lost = std::move(by_this);
+    if (lost && !outcome.lost) outcome.lost = std::move(lost);
   }
   return outcome;
 }

@@ -66,6 +66,9 @@ class SessionFiles {
   [[nodiscard]] Foreign find_foreign(const std::vector<CalibrationFile>& files) const;
   [[nodiscard]] bool holds_ours(const std::string& path) const;
   [[nodiscard]] Status write_one(const CalibrationFile& file, const Calibration& calibration);
+  // What is said of another session's calibration whose place `now` has: once, and for good.
+  [[nodiscard]] std::optional<Error> take_loss(const std::string& path, const Calibration& now,
+                                               bool final);
 
   std::uint64_t session_ = 0;
   std::map<std::string, std::string> ours_;  // by path, what session_ has written last

@@ -114,6 +114,23 @@ Misfit::Cause large_by(Misfit::Cause noticed, const PromiseParts& promise) {
   return noticed;
 }
 
+// Where the corners of a board are, in a sentence or two.
+std::string board_finding(const Misfit& misfit, const FitDiagnostics& diagnostics) {
+  const auto& pattern = diagnostics.board_pattern;
+  const std::string as = pattern ? ", " + to_words(*pattern) : std::string();
+  if (is_of_another_text(misfit)) {
+    return fmt::format(
+        "The corners of the board are not where its text has them, in all views alike, by "
+        "{:.2g} px{}. See that its sides, gaps and numbers are those of the text.",
+        misfit.board_residual, as);
+  }
+  if (!(diagnostics.board_variance > 0)) {
+    return fmt::format("The corners of the board are not where they were printed{}.", as);
+  }
+  return fmt::format("The corners of the board are {:.2g} mm from where they were printed{}.",
+                     1e3 * std::sqrt(diagnostics.board_variance), as);
+}
+
 // What was found, in a sentence.
 std::string finding(Misfit::Cause cause, const Misfit& misfit, const FitDiagnostics& diagnostics,
                     std::optional<double> chi) {
@@ -131,17 +148,7 @@ std::string finding(Misfit::Cause cause, const Misfit& misfit, const FitDiagnost
           "have.",
           misfit.lens_residual);
     case Misfit::Cause::kBoard:
-      if (is_of_another_text(misfit)) {
-        return fmt::format(
-            "The corners of the board are not where its text has them, in all views alike, by "
-            "{:.2g} px. See that its sides, gaps and numbers are those of the text.",
-            misfit.board_residual);
-      }
-      if (!(diagnostics.board_variance > 0)) {
-        return "The corners of the board are not where they were printed.";
-      }
-      return fmt::format("The corners of the board are {:.2g} mm from where they were printed.",
-                         1e3 * std::sqrt(diagnostics.board_variance));
+      return board_finding(misfit, diagnostics);
     case Misfit::Cause::kMotion:
       return "The views contradict each other by more than noise, as where the board bends or "
              "moves from view to view.";
@@ -193,11 +200,11 @@ std::string explain(const Misfit& misfit, const FitDiagnostics& diagnostics,
   const Misfit::Cause cause = misfit.found() ? misfit.cause : misfit.noticed;
   if (cause == Misfit::Cause::kNone) return {};
   std::string text = finding(cause, misfit, diagnostics, chi);
-  if (cause == Misfit::Cause::kBoard && diagnostics.board_pattern) {
-    text += " " + to_words(*diagnostics.board_pattern);
-  }
   text += is_held(misfit, diagnostics, promise) ? effect(cause, promise)
                                                 : " The expected error does not hold that.";
+  if (cause == Misfit::Cause::kBoard && diagnostics.board_pattern) {
+    return text + " " + advice(*diagnostics.board_pattern);
+  }
   return misfit.found() ? text + " " + advice(cause) : text;
 }
 
@@ -207,9 +214,8 @@ std::string measured_otherwise(const std::vector<Eigen::Vector3d>& offsets,
   for (const Eigen::Vector3d& o : offsets) squares += o.head<2>().squaredNorm() / 2;
   const double rms = std::sqrt(squares / static_cast<double>(offsets.size()));
   return fmt::format(
-      "The corners of the board were measured {:.2g} mm from where its text has "
-      "them. {}",
-      1e3 * rms, to_words(pattern));
+      "The corners of the board were measured {:.2g} mm from where its text has them, {}. {}",
+      1e3 * rms, to_words(pattern), advice(pattern));
 }
 
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,

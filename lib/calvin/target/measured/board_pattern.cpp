@@ -96,15 +96,17 @@ std::optional<BoardPattern> board_pattern(const Grid& grid, const std::vector<Se
 
 std::string to_words(const BoardPattern& pattern) {
   if (pattern.kind == BoardPattern::Kind::kGap) {
-    return fmt::format(
-        "Gaps of {:.3g} of a tag ({:.3g} mm) instead of {:.3g} would do that: measure them, and "
-        "see that the text of the board has them.",
-        pattern.value, 1e3 * pattern.value * pattern.pitch, pattern.printed);
+    return fmt::format("as gaps of {:.3g} of a tag ({:.3g} mm) instead of {:.3g} would have them",
+                       pattern.value, 1e3 * pattern.value * pattern.pitch, pattern.printed);
   }
-  return fmt::format(
-      "A board that is longer along its {} than its text has it would do that, as some printers "
-      "make it: measure it both ways.",
-      pattern.value > 0 ? "rows" : "columns");
+  return fmt::format("as a board would have them that is longer along its {} than by its text",
+                     pattern.value > 0 ? "rows" : "columns");
+}
+
+std::string advice(const BoardPattern& pattern) {
+  return pattern.kind == BoardPattern::Kind::kGap
+             ? "Measure the gaps, and give them in the text of the board."
+             : "Measure the board both ways: some printers stretch it.";
 }
 
 }  // namespace calvin

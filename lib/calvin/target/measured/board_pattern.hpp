@@ -44,7 +44,8 @@ enum class OffsetsOf { kResiduals, kMeasurement };
                                                         const std::vector<SeenOffset>& corners,
                                                         OffsetsOf of);
 
-// A sentence that follows one on corners that are not where they should be.
+// A clause on corners that are not where they should be, and a sentence on what to do.
 [[nodiscard]] std::string to_words(const BoardPattern& pattern);
+[[nodiscard]] std::string advice(const BoardPattern& pattern);
 
 }  // namespace calvin
