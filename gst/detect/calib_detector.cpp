@@ -163,6 +163,7 @@ Status CalibDetector::set_format(const GstVideoInfo& info) {
   if (fields && !is_interlaced_) post_warning(element_, *fields);
   is_interlaced_ = fields.has_value();
   info_ = info;
+  times_.set_format(info);
   mode_known_ = frame_refused_ = false;
   return {};
 }
@@ -276,8 +277,8 @@ std::optional<FrameFindings> CalibDetector::take_waiting() {
   return std::exchange(result_, std::nullopt);
 }
 
-void CalibDetector::next_segment() {
-  GST_DEBUG_OBJECT(element_, "another segment of the stream begins");
+void CalibDetector::next_format() {
+  GST_DEBUG_OBJECT(element_, "another segment of the stream, or another format, begins");
   last_detection_ = GST_CLOCK_TIME_NONE;
   const std::lock_guard guard(lock_);
   ++generation_;

@@ -20,6 +20,7 @@
 #include "common/calibration_reader.hpp"
 #include "common/frames/frame_luma.hpp"
 #include "common/frames/frame_part.hpp"
+#include "common/frames/interpolated_times.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
 #include "common/shared_settings.hpp"
@@ -79,6 +80,11 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   [[nodiscard]] bool mode_known() const { return mode_known_; }
   void choose_mode(bool live);
 
+  // Of each frame in the order in which they come, also of those that are not looked at.
+  [[nodiscard]] FrameTimes times_of(const GstSegment& segment, GstBuffer* buffer) {
+    return frame_times(&segment, times_.of(segment, buffer), GST_BUFFER_DURATION(buffer));
+  }
+
   // Looks for the boards in a frame, or has them looked for while the stream goes on: then what is
   // found waits for a later frame, and this one may not be changed any more. Absent: nothing to
   // attach.
@@ -88,8 +94,13 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   void drain() { worker_.drain(); }
   // The result that no buffer took yet.
   [[nodiscard]] std::optional<FrameFindings> take_waiting();
-  // From here on another format or other times apply: what is still being computed is of no use.
-  void next_segment();
+  // From here on another format applies: what is still being computed is of no use.
+  void next_format();
+  // And other times.
+  void next_segment() {
+    next_format();
+    times_.restart();
+  }
 
  private:
   // What one detection needs.
@@ -160,6 +171,7 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
 
   // Streaming thread only. What the worker uses of it goes along with the job.
   GstVideoInfo info_{};
+  InterpolatedTimes times_;
   bool is_interlaced_ = false;  // and that was said
   std::shared_ptr<LumaReader> luma_;
   ImageSize luma_size_;

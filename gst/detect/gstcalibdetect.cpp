@@ -71,7 +71,7 @@ static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstB
     detector.choose_mode(gst::upstream_is_live(GST_BASE_TRANSFORM_SINK_PAD(trans)));
   const auto earlier = detector.take_waiting();
   if (earlier) gst_calib_detect_attach(buffer, *earlier);
-  const auto found = detector.look(buffer, gst::frame_times(&trans->segment, buffer));
+  const auto found = detector.look(buffer, detector.times_of(trans->segment, buffer));
   if (found) gst_calib_detect_attach(buffer, *found);
   return GST_FLOW_OK;
 }
@@ -115,6 +115,9 @@ static gboolean gst_calib_detect_sink_event(GstBaseTransform* trans, GstEvent* e
       gst_calib_detect_push_waiting(self);
       break;
     case GST_EVENT_CAPS:
+      gst_calib_detect_push_waiting(self);
+      detector.next_format();
+      break;
     case GST_EVENT_SEGMENT:
       gst_calib_detect_push_waiting(self);
       detector.next_segment();

@@ -28,6 +28,7 @@
 #include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
 #include "common/frames/frame_points.hpp"
+#include "common/frames/interpolated_times.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
@@ -170,13 +171,6 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   return GST_FLOW_OK;
 }
 
-// 0 where the caps do not tell.
-static GstClockTime gst_calib_solve_frame_duration(const GstVideoInfo& info) {
-  const int frames = GST_VIDEO_INFO_FPS_N(&info);
-  if (frames <= 0) return 0;
-  return gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&info), frames);
-}
-
 static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
                                          GstCaps* /*out_caps*/) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
@@ -185,7 +179,7 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   self->state->mode_known = self->state->patches_asked = false;
   self->state->points.set_format(info);
   self->state->set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
-  self->state->set_frame_duration(gst_calib_solve_frame_duration(info));
+  self->state->set_frame_duration(gst::frame_duration(info));
   if (gst::upstream_says_live(GST_BASE_TRANSFORM_SINK_PAD(trans)).value_or(false))
     self->state->watch_stream(true);
   gst_calib_solve_want_patches(self);

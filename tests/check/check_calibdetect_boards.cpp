@@ -9,6 +9,7 @@
 
 #include "calvin/synth/render.hpp"
 #include "calvin/target/marker_dictionary.hpp"
+#include "detect_fixture.hpp"
 #include "support.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -298,6 +299,44 @@ GST_START_TEST(test_several_lights_are_refused_and_said_to_be) {
 }
 GST_END_TEST;
 
+// Without asking, and once: the size seen stays the same.
+GST_START_TEST(test_another_board_is_said_without_asking) {
+  check::DetectFixture f("calibdetect mode=sync board=checkerboard:10x7:25mm");
+  for (int n = 0; n < 4; ++n) {
+    g_autoptr(GstBuffer) out =
+        gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(3), "GRAY8", n));
+    fail_if(gst::read_observations(out)[0].found());
+    const auto [hint, wrong_board] = gst::read_hint(out);
+    fail_unless(wrong_board);
+    fail_unless_equals_string(hint.c_str(), "This is a 9x6 board, I look for 10x7");
+  }
+  const auto messages = f.bus.named("calib-detection");
+  fail_unless_equals_int(messages.size(), 1);
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "reason"), "wrong-board");
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "seen"), "9x6");
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "hint"),
+                            "This is a 9x6 board, I look for 10x7");
+}
+GST_END_TEST;
+
+// The board that is looked for comes into view and goes: the other one is said anew.
+GST_START_TEST(test_another_board_is_said_again_after_the_right_one) {
+  check::DetectFixture f("calibdetect mode=sync");
+  const Board other = parse_board("checkerboard:8x5:25mm").value();
+  const GrayImage wrong = render_board(f.scene.camera, other, f.scene.pose(3));
+  for (int n = 0; n < 6; ++n) {
+    const GrayImage image = n / 2 == 1 ? f.scene.picture(3) : wrong;
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, check::frame_of(image, "GRAY8", n));
+    fail_unless(gst::read_hint(out).words.empty() == (n / 2 == 1));
+  }
+  const auto messages = f.bus.named("calib-detection");
+  fail_unless_equals_int(messages.size(), 2);
+  for (const GstStructure* s : messages) {
+    fail_unless_equals_string(gst_structure_get_string(s, "seen"), "8x5");
+  }
+}
+GST_END_TEST;
+
 static Suite* calibdetect_boards_suite(void) {
   Suite* s = suite_create("calibdetect_boards");
   TCase* tc = tcase_create("general");
@@ -305,6 +344,8 @@ static Suite* calibdetect_boards_suite(void) {
   tcase_set_timeout(tc, 120);
   tcase_add_loop_test(tc, test_a_wrong_text_is_answered_by_the_right_one, 0, G_N_ELEMENTS(kWrong));
   tcase_add_test(tc, test_the_answer_ends_where_the_board_is_found);
+  tcase_add_test(tc, test_another_board_is_said_without_asking);
+  tcase_add_test(tc, test_another_board_is_said_again_after_the_right_one);
   tcase_add_loop_test(tc, test_auto_takes_what_is_in_view, 0, G_N_ELEMENTS(kAuto));
   tcase_add_test(tc, test_auto_takes_the_next_board);
   tcase_add_test(tc, test_auto_of_puzzles_takes_no_other_kind);

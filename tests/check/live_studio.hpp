@@ -57,8 +57,8 @@ struct LiveSettings {
 };
 
 // Cameras that cannot wait: of a frame that is not taken at once the next one but one takes the
-// place. Beside other tests the machine itself stands still for longer than that: there a second is
-// allowed, which only a stream that is held up uses.
+// place. A machine that others use as well stands still for longer than a second at times: unless
+// the full counts are asked for, on a quiet machine, three are allowed.
 struct LiveStudio {
   explicit LiveStudio(const LiveSettings& settings) : cameras(emulated::render(settings.cameras)) {
     frames.resize(cameras.calibrations.size());
@@ -79,7 +79,7 @@ struct LiveStudio {
           "block=false caps=video/x-raw,format=GRAY8,width={2},height={3},framerate=30/1 ! {4} ! "
           "rig.sink_{0} rig.src_{0} ! fakesink name=sink{0} sync=false async=false "
           "signal-handoffs=true",
-          c, is_full() ? 2 : 30, settings.cameras.size.width, settings.cameras.size.height,
+          c, is_full() ? 2 : 90, settings.cameras.size.width, settings.cameras.size.height,
           settings.detector);
     }
     pipeline = gst_parse_launch((launch + branches).c_str(), nullptr);

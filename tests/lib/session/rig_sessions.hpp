@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -14,6 +15,11 @@
 namespace calvin::scenes {
 
 inline constexpr std::uint64_t kFrame = 33'000'000;  // ns
+
+// What a session is told of a solve.
+inline std::shared_ptr<const WatchedRig> watched(const RigJob& job, const RigSolution& solved) {
+  return std::make_shared<const WatchedRig>(watched_rig(solved.rig, views_of(job), job.options));
+}
 
 // A session of a stereo rig whose cameras are known.
 struct Sessions {

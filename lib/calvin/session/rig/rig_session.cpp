@@ -265,7 +265,8 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
   const auto view = std::make_shared<const View>(*std::move(checked));
   own.last = view;
   const std::uint64_t now = view->observation.timestamp;
-  if (watched_) recent_instants_.add(camera, view);
+  // A camera may be pushed before the first rig is known.
+  if (is_watched()) recent_instants_.add(camera, view);
   const bool fresh = is_new(own.list_at(now), *view);
   const bool wanted = std::ranges::any_of(
       wanted_, [&](std::uint64_t at) { return between(at, now) <= settings_.options.tolerance; });

@@ -218,6 +218,10 @@ class RigSession {
   [[nodiscard]] std::vector<Instant> instants() const;
   static void fit_intrinsics(Camera& camera);
   [[nodiscard]] bool sees_light() const { return is_light_.value_or(false); }
+  // Whether cameras are asked to stay where they are.
+  [[nodiscard]] bool is_watched() const {
+    return settings_.options.mode == RigMode::kJoint && !sees_light();
+  }
   // Why a camera has nothing to be solved by; absent where it has.
   [[nodiscard]] std::optional<Error> lack_of(const Camera& camera) const;
   [[nodiscard]] std::vector<std::string> moved_cameras() const;

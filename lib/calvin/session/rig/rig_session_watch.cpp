@@ -28,7 +28,7 @@ std::vector<std::string> RigSession::moved_cameras() const {
 
 std::optional<WatchJob> RigSession::take_watch() {
   constexpr std::uint64_t kInterval = 100'000'000;  // ns: instants that follow sooner tell no more
-  if (!watched_ || settings_.options.mode != RigMode::kJoint) return std::nullopt;
+  if (!watched_ || !is_watched()) return std::nullopt;
   auto views = recent_instants_.take(settings_.options.tolerance, kInterval);
   WatchJob job{watched_, moved_cameras(), {}, settings_.options.tolerance, generation_};
   for (std::size_t c = 0; c < views.size(); ++c) {
