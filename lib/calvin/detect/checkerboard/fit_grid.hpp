@@ -22,6 +22,10 @@ class FitGrid {
     fits_.assign(static_cast<std::size_t>(extent.cols() * extent.rows()), {});
   }
   [[nodiscard]] bool empty() const { return fits_.empty(); }
+  [[nodiscard]] bool has(Cell c) const {
+    return c.col >= cells_.first.col && c.col <= cells_.last.col && c.row >= cells_.first.row &&
+           c.row <= cells_.last.row;
+  }
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
   [[nodiscard]] SaddleFit& at(Cell c) { return fits_[index(c)]; }
 

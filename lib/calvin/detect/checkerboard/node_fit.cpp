@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
+#include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/target/puzzle_board.hpp"
 
 namespace calvin::detect {
@@ -177,6 +179,58 @@ void take(const SaddleFit& fit, Node& node) {
   node.contrast = 2 * fit.swing();
   node.width = std::max(fit.along_width, fit.down_width);
   node.sigma = fit.sigma;
+}
+
+SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c, float radius,
+                    EdgeWidths widths, int steps) {
+  const Node& node = lattice.at(c);
+  const float spacing = spacing_at(lattice, c);
+  SaddleFit f = widths.in(fit_of(node));
+  f.room = room_at(lattice, c);
+  radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, radius);
+  bool good = fit_saddle(image, radius, steps, f, kRoughly);
+  if (!good) {
+    SaddleFit start = fit_of(node);
+    start.room = f.room;
+    f = parted_fit(start);
+    good = fit_saddle(image, radius, 2 * steps, f, kRoughly);
+  }
+  if (good && f.residual > kOfNoise * f.noise) fit_parted(image, radius, steps, f);
+  good = good && colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+  if (!good) f.noise = std::numeric_limits<float>::infinity();
+  return f;
+}
+
+namespace {
+
+// Whether the next corner is likely to have the widths of a fit: noise spoils them.
+bool is_clear(const SaddleFit& fit) {
+  constexpr float kMost = 0.05F;  // noise, of the contrast
+  return !fit.has_gain && fit.noise <= kMost * fit.swing();
+}
+
+}  // namespace
+
+SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c, EdgeWidths& widths) {
+  const auto is_good = [](const SaddleFit& f) { return f.noise <= kMostNoise * f.swing(); };
+  const float width = lattice.at(c).width;
+  SaddleFit best;
+  best.noise = std::numeric_limits<float>::infinity();
+  if (widths.are_known()) best = quick_fit(image, lattice, c, kFirstRadius, widths, 8);
+  if (!is_good(best)) {
+    const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(width), 8);
+    if (f.noise < best.noise) best = f;
+  }
+  // A badly placed node needs a larger window, one with something else near it a smaller one.
+  for (const bool wide : {true, false}) {
+    if (is_good(best)) break;
+    const EdgeWidths wider(std::max(2.5F, 1.5F * width));
+    const SaddleFit f = wide ? quick_fit(image, lattice, c, kLastRadius, wider, 12)
+                             : quick_fit(image, lattice, c, kCloseRadius, EdgeWidths(width), 8);
+    if (f.noise < best.noise) best = f;
+  }
+  if (is_clear(best)) widths = EdgeWidths(best);
+  return best;
 }
 
 }  // namespace calvin::detect

@@ -17,6 +17,26 @@ inline constexpr float kCloseRadius = 4.5F;  // px, of a fit with something else
 inline constexpr float kSmaller = 0.75F;
 inline constexpr float kOfNoise = 1.4F;  // of the noise: a larger residual has another reason
 
+inline constexpr float kFirstRadius = 8;      // px, of the first fit
+inline constexpr float kMostNoise = 0.15F;    // of the contrast
+inline constexpr float kLargestMove = 0.35F;  // of the spacing, between levels
+
+// The widths from which a fit begins, px; 0 where they are not known.
+struct EdgeWidths {
+  float along = 0;
+  float down = 0;
+
+  EdgeWidths() = default;
+  explicit EdgeWidths(float both) : along(both), down(both) {}
+  explicit EdgeWidths(const SaddleFit& of) : along(of.along_width), down(of.down_width) {}
+  [[nodiscard]] bool are_known() const { return along > 0; }
+  [[nodiscard]] SaddleFit in(SaddleFit fit) const {
+    fit.along_width = along;
+    fit.down_width = down;
+    return fit;
+  }
+};
+
 // The distance from a node to the nearest of the next grid lines, px.
 [[nodiscard]] float spacing_at(const Lattice& lattice, Cell c);
 
@@ -58,5 +78,14 @@ void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected);
 
 // Moves a node to where it was fitted.
 void take(const SaddleFit& fit, Node& node);
+
+// A fit of a node by itself; its noise is infinite where there is no corner.
+[[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                  float radius, EdgeWidths widths, int steps);
+
+// The first fit, from where the node was found. `widths` are those of the last one that was good,
+// which the next corner is likely to have too.
+[[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                  EdgeWidths& widths);
 
 }  // namespace calvin::detect

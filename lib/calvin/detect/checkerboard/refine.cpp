@@ -16,15 +16,13 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr float kFirstRadius = 8;  // px, of the first fit
-constexpr float kPrune = 0.3F;     // of the spacing
+constexpr float kPrune = 0.3F;  // of the spacing
 constexpr int kFewestToRefine = 4;
 constexpr float kLevelRadius = 5;          // px, in a smaller level
 constexpr float kLeastSwingShare = 0.25F;  // of the median
 // A corner that a hand or a shadow covers in part is not symmetric, which shows as noise.
-constexpr float kNoisiest = 3;       // of the median
-constexpr float kNoisy = 1.5F;       // of the median: something else is in the window
-constexpr float kMostNoise = 0.15F;  // of the contrast
+constexpr float kNoisiest = 3;  // of the median
+constexpr float kNoisy = 1.5F;  // of the median: something else is in the window
 // A fit this much less certain than the others has something else in its window.
 constexpr float kUncertain = 20;             // of the median sigma
 constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
@@ -34,16 +32,9 @@ constexpr float kMostResidual = 0.9F;        // of the contrast
 // a fifth of their noise.
 constexpr float kMostResidualInNoise = 1.25F;  // of the contrast
 constexpr float kWidestEdge = 8;               // px, of an edge
-constexpr float kLargestMove = 0.35F;          // of the spacing, between levels
 constexpr float kLargestError = 0.2F;          // of the spacing, from where neighbours predict it
 // How well others tell the place of a corner that was lost in noise, at best.
 constexpr float kExpectedPlace = 0.04F;  // of the spacing, 1 sigma
-
-// Whether the next corner is likely to have the widths of a fit: noise spoils them.
-bool is_clear(const SaddleFit& fit) {
-  constexpr float kMost = 0.05F;  // noise, of the contrast
-  return !fit.has_gain && fit.noise <= kMost * fit.swing();
-}
 
 }  // namespace
 
@@ -121,27 +112,6 @@ double Refinement::blur(const Lattice& lattice) {
   return static_cast<double>(std::max(along, down));
 }
 
-// A fit of a node by itself; its noise is infinite where there is no corner.
-SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                float radius, EdgeWidths widths, int steps) const {
-  const Node& node = lattice.at(c);
-  const float spacing = spacing_at(lattice, c);
-  SaddleFit f = widths.in(fit_of(node));
-  f.room = room_at(lattice, c);
-  radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, radius);
-  bool good = fit_saddle(image, radius, steps, f, kRoughly);
-  if (!good) {
-    SaddleFit start = fit_of(node);
-    start.room = f.room;
-    f = parted_fit(start);
-    good = fit_saddle(image, radius, 2 * steps, f, kRoughly);
-  }
-  if (good && f.residual > kOfNoise * f.noise) fit_parted(image, radius, steps, f);
-  good = good && colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
-  if (!good) f.noise = std::numeric_limits<float>::infinity();
-  return f;
-}
-
 bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
   const CellRange e = lattice.extent();
   // How far the outermost nodes have moved, px: [last column][last row].
@@ -169,31 +139,6 @@ bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
     lattice.at(c).y += mean(&Direction::y);
   });
   return true;
-}
-
-// The first fit, from where the node was found. `widths` are those of the last one that was good,
-// which the next corner is likely to have too.
-SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                EdgeWidths& widths) const {
-  const auto is_good = [](const SaddleFit& f) { return f.noise <= kMostNoise * f.swing(); };
-  const float width = lattice.at(c).width;
-  SaddleFit best;
-  best.noise = std::numeric_limits<float>::infinity();
-  if (widths.are_known()) best = quick_fit(image, lattice, c, kFirstRadius, widths, 8);
-  if (!is_good(best)) {
-    const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(width), 8);
-    if (f.noise < best.noise) best = f;
-  }
-  // A badly placed node needs a larger window, one with something else near it a smaller one.
-  for (const bool wide : {true, false}) {
-    if (is_good(best)) break;
-    const EdgeWidths wider(std::max(2.5F, 1.5F * width));
-    const SaddleFit f = wide ? quick_fit(image, lattice, c, kLastRadius, wider, 12)
-                             : quick_fit(image, lattice, c, kCloseRadius, EdgeWidths(width), 8);
-    if (f.noise < best.noise) best = f;
-  }
-  if (is_clear(best)) widths = EdgeWidths(best);
-  return best;
 }
 
 // The last fit, with the bends and slopes from the first fits, in the largest window that has
@@ -239,36 +184,78 @@ SaddleFit Refinement::lost_fit(const ImageView& image, const Lattice& lattice, C
   return expected_fit(image, lattice, c, sigma);
 }
 
-void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
-  std::vector<Cell> lost;
+std::vector<Refinement::Lost> Refinement::lost_corners(const Lattice& lattice,
+                                                       std::span<const Cell> board) {
+  std::vector<Cell> cells;
   for (const Cell c : cells_) {
-    if (!lattice.has(c)) lost.push_back(c);
+    if (!lattice.has(c)) cells.push_back(c);
   }
-  const int before = lattice.count();
-  const auto surface = in_noise_ ? expect_places(lattice, fits_, lost) : ExpectedPlaces{};
+  const std::size_t seen = cells.size();
+  for (const Cell c : board) {
+    const bool is_new = std::ranges::find(cells, c) == cells.end();
+    if (in_noise_ && fits_.has(c) && !lattice.has(c) && is_new) cells.push_back(c);
+  }
+  const auto surface = in_noise_ ? expect_places(lattice, fits_, cells) : ExpectedPlaces{};
+  std::vector<Lost> lost;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    lost.push_back({cells[i], i < seen, in_noise_ ? surface.places[i] : Pixel{}, surface.sigma});
+  }
+  return lost;
+}
+
+// Whether what was fitted where a corner was lost is one. Where nearly all of a board is there, and
+// all in noise, a corner is like the others: noise of the same size hides it, and nothing covers
+// it.
+bool Refinement::is_recovered(const SaddleFit& f, const Lost& lost, const Node& node,
+                              float usual_residual) const {
+  constexpr float kClear = 0.35F;  // of the contrast: what would cover a corner leaves more
+  constexpr float kLouder = 2;     // of the median residual, of a clear one
+  const float contrast = f.swing();
+  const bool is_clear = f.residual <= kClear * contrast;
+  const bool is_alike = f.residual <= (is_clear ? kLouder : kNoisy) * usual_residual;
+  const bool is_quiet = lost.seen && !is_noisy(f, most_noise());
   const float most_residual = in_noise_ ? kMostResidualInNoise : kMostResidual;
-  for (std::size_t i = 0; i < lost.size(); ++i) {
-    const Cell c = lost[i];
-    const auto expected = lattice.expect(c);
-    const auto step =
-        std::find_if(kAround.begin(), kAround.end(), [&](Cell s) { return lattice.has(c + s); });
-    if (!expected || step == kAround.end()) continue;
-    Node node = lattice.at(c + *step);
-    node.x = in_noise_ ? static_cast<float>(surface.places[i].u) : expected->x;
-    node.y = in_noise_ ? static_cast<float>(surface.places[i].v) : expected->y;
-    lattice.put(c, node);
-    const float sigma = std::max(surface.sigma, kExpectedPlace * expected->spacing);
-    const SaddleFit f = lost_fit(image, lattice, c, at(c + *step), sigma);
-    const float contrast = f.swing();
-    if (!is_noisy(f, most_noise()) && contrast >= kLeastSwingShare * node.contrast / 2 &&
-        f.residual <= most_residual * contrast &&
-        distance(f, node) < kLargestError * expected->spacing) {
-      fit(c) = f;
-      take(f, lattice.at(c));
-    } else {
-      lattice.remove(c);
-    }
+  return std::isfinite(f.noise) && (is_quiet || is_alike) &&
+         contrast >= kLeastSwingShare * node.contrast / 2 && f.residual <= most_residual * contrast;
+}
+
+void Refinement::recover(const ImageView& image, Lattice& lattice, const Lost& lost,
+                         float usual_residual) {
+  const Cell c = lost.cell;
+  const auto expected = lattice.expect(c);
+  const auto step =
+      std::find_if(kAround.begin(), kAround.end(), [&](Cell s) { return lattice.has(c + s); });
+  if (!expected || step == kAround.end()) return;
+  Node node = lattice.at(c + *step);
+  node.x = in_noise_ ? static_cast<float>(lost.place.u) : expected->x;
+  node.y = in_noise_ ? static_cast<float>(lost.place.v) : expected->y;
+  lattice.put(c, node);
+  const float sigma = std::max(lost.sigma, kExpectedPlace * expected->spacing);
+  const SaddleFit f = lost_fit(image, lattice, c, at(c + *step), sigma);
+  if (is_recovered(f, lost, node, usual_residual) &&
+      distance(f, node) < kLargestError * expected->spacing) {
+    fit(c) = f;
+    take(f, lattice.at(c));
+  } else {
+    lattice.remove(c);
   }
+}
+
+void Refinement::recover_lost(const ImageView& image, Lattice& lattice,
+                              std::span<const Cell> board) {
+  const std::vector<Lost> lost = lost_corners(lattice, board);
+  const int before = lattice.count();
+  const bool is_one_board = in_noise_ && !board.empty();
+  const float usual =
+      is_one_board ? fits_.median(lattice, [](const SaddleFit& f) { return f.residual; }) : 0;
+  // A corner that was found lets the next ones be expected.
+  int last = 0;
+  do {
+    last = lattice.count();
+    for (const Lost& l : lost) {
+      if (!lattice.has(l.cell)) recover(image, lattice, l, usual);
+    }
+  } while (in_noise_ && lattice.count() > last);
   if (lattice.count() == before) return;
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice, slack(lattice));
@@ -351,7 +338,7 @@ void Refinement::refine_in_noise(const ImageView& image, Lattice& lattice) {
   refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
 }
 
-bool Refinement::refine(const ImageView& image, Lattice& lattice) {
+bool Refinement::refine(const ImageView& image, Lattice& lattice, std::span<const Cell> board) {
   const int before = lattice.count();
   begin(lattice);
   EdgeWidths widths;
@@ -370,7 +357,8 @@ bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   if (lattice.count() < kFewestToRefine) return false;
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice, slack(lattice));
-  if (lattice.count() < before) recover_lost(image, lattice);
+  const bool all_seen = std::ranges::all_of(board, [&](Cell c) { return lattice.has(c); });
+  if (lattice.count() < before || (in_noise_ && !all_seen)) recover_lost(image, lattice, board);
   return 2 * lattice.count() >= before;
 }
 

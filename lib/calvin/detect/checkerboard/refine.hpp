@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -15,22 +16,6 @@
 #include "calvin/detect/pyramid.hpp"
 
 namespace calvin::detect {
-
-// The widths from which a fit begins, px; 0 where they are not known.
-struct EdgeWidths {
-  float along = 0;
-  float down = 0;
-
-  EdgeWidths() = default;
-  explicit EdgeWidths(float both) : along(both), down(both) {}
-  explicit EdgeWidths(const SaddleFit& of) : along(of.along_width), down(of.down_width) {}
-  [[nodiscard]] bool are_known() const { return along > 0; }
-  [[nodiscard]] SaddleFit in(SaddleFit fit) const {
-    fit.along_width = along;
-    fit.down_width = down;
-    return fit;
-  }
-};
 
 // A fit of each node of a lattice. Keeps its memory.
 class Refinement {
@@ -44,8 +29,11 @@ class Refinement {
   [[nodiscard]] bool confirm(const ImageView& image, Lattice& lattice) const;
 
   // Fits every node in the image; removes nodes that fail the tests, of the fit by itself and
-  // beside the other nodes of its row and column. False where most nodes fail.
-  [[nodiscard]] bool refine(const ImageView& image, Lattice& lattice);
+  // beside the other nodes of its row and column. False where most nodes fail. `board`: the cells
+  // of a board of which nearly all is there; in noise, its corners are looked for where they were
+  // not seen, too.
+  [[nodiscard]] bool refine(const ImageView& image, Lattice& lattice,
+                            std::span<const Cell> board = {});
 
   // refine() for a lattice that lies as the lattice of the fits `before` did in the frame before,
   // to a pixel or so. False where a node fails.
@@ -62,10 +50,6 @@ class Refinement {
  private:
   void begin(const Lattice& lattice);
   SaddleFit& fit(Cell c) { return fits_.at(c); }
-  [[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                    float radius, EdgeWidths widths, int steps) const;
-  [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                    EdgeWidths& widths) const;
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] Slack slack(const Lattice& lattice);
   // Whether first fits tell so little that what neighbours let expect has to help.
@@ -84,8 +68,20 @@ class Refinement {
   void drop_uncertain(Lattice& lattice);
   [[nodiscard]] SaddleFit lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
                                    const SaddleFit& near, float sigma);
+  // A corner that the lattice has not.
+  struct Lost {
+    Cell cell;
+    bool seen = false;  // and lost in the fits
+    Pixel place;        // where it is expected, in noise alone
+    float sigma = 0;    // px, of that
+  };
+  [[nodiscard]] std::vector<Lost> lost_corners(const Lattice& lattice, std::span<const Cell> board);
+  // `usual_residual`: the median of the board's residuals, grey levels; 0 where it does not count.
+  [[nodiscard]] bool is_recovered(const SaddleFit& f, const Lost& lost, const Node& node,
+                                  float usual_residual) const;
+  void recover(const ImageView& image, Lattice& lattice, const Lost& lost, float usual_residual);
   // Fits removed nodes once more where others predict them.
-  void recover_lost(const ImageView& image, Lattice& lattice);
+  void recover_lost(const ImageView& image, Lattice& lattice, std::span<const Cell> board);
 
   FitGrid fits_;
   std::vector<Cell> cells_;  // of the nodes to begin with

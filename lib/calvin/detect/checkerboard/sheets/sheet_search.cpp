@@ -41,6 +41,21 @@ T& append(std::vector<T>& list, std::size_t& count, int reach, const Surrounding
   return list[count++];
 }
 
+// The cells of a board, where the lattice has all but a few of them.
+std::vector<Cell> cells_if_nearly_whole(const Pattern& pattern, const Match& match,
+                                        const Lattice& lattice) {
+  constexpr std::size_t kFew = 10;  // one of so many
+  std::vector<Cell> cells;
+  std::size_t unseen = 0;
+  for (const int id : pattern.grid.ids()) {
+    const GridPlace at = pattern.grid.place(id);
+    cells.push_back(match.alignment.cell({at.col, at.row}));
+    unseen += lattice.has(cells.back()) ? 0 : 1;
+  }
+  if (kFew * unseen > cells.size()) cells.clear();
+  return cells;
+}
+
 }  // namespace
 
 SheetSearch::SheetSearch(std::vector<WantedBoard> wanted)
@@ -338,7 +353,9 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   if (pattern.code && pattern.code->has_dots()) {
     set_dots(*pattern.code, match.alignment, lattice);
   }
-  if (!refinement_.refine(image, lattice)) return false;
+  if (!refinement_.refine(image, lattice, cells_if_nearly_whole(pattern, match, lattice))) {
+    return false;
+  }
   if (!match.whole || lattice.count() < before) {
     // Some nodes may have been no corners, and the refined places of the others tell the edge of
     // the board from something that covers it up to the next row.
