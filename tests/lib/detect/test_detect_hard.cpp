@@ -128,11 +128,11 @@ TEST(HardPictures, AreFoundWhole) {
   EXPECT_LT(tally.predicted_over_real(), 1.25);
 }
 
-// A corner of 50 grey levels in noise of 16 is at times not to be seen, and neither is a whole board.
+// A corner of 50 grey levels in noise of 16 is at times not to be seen, nor is a whole board.
 TEST(HardPictures, OfLeastContrastAreMostlyFoundWhole) {
   Tally tally = look_at({50, 80, false}, 200000);
   tally.print("contrast 50 to 80");
-  EXPECT_GE(tally.whole(), 0.93);
+  EXPECT_GE(tally.whole(), 0.94);
   EXPECT_EQ(tally.wrong(), 0);
 }
 
