@@ -87,6 +87,7 @@ NEAR_FILES = {
     "solve_messages": "calibsolve* calibrate*",
     "worker": "worker calibsolve*",
     "metas": "metas guidance",
+    "interpolated_times": "calibdetect",
     "frame_timeline": "calibtestsrc*",
     "test_scene": "calibtestsrc*",
     "undistort_caps": "calibundistort_sizes calibundistort*",
