@@ -198,7 +198,7 @@ FitSteps::Judgement FitSteps::judge(Estimate at) {
   result.masks = find_outliers(result.distances);
   const auto camera = adjustment_.camera(result.at.shared);
   for (std::size_t v = 0; camera && v < views_.size() && !adjustment_.cancelled(); ++v) {
-    if (poses[v] && (result.masks[v].view || !options_.reject_outliers)) continue;
+    if (poses[v] && result.masks[v].view) continue;
     const auto fit = fit_pose(views_[v].set, *camera, {Loss::Kind::kHuber, 1});
     if (!fit) continue;
     auto fresh = adjustment_.distances(views_[v], result.at.shared, fit->camera_from_board);
@@ -218,9 +218,6 @@ FitState FitSteps::fit_inliers(Judgement start, double lambda) {
   for (int round = 0; round < kRounds && !adjustment_.cancelled(); ++round) {
     state = solve_masked(std::move(start.at), std::move(start.masks), lambda);
     if (!state.problem || round + 1 == kRounds) break;
-    const bool all_posed = std::all_of(state.at.poses.begin(), state.at.poses.end(),
-                                       [](const auto& pose) { return pose.has_value(); });
-    if (!options_.reject_outliers && all_posed) break;
     start = judge(state.at);
     if (!options_.reject_outliers) start.masks = state.masks;
     if (start.masks != state.masks || start.pose_moved) continue;
