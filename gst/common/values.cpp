@@ -103,4 +103,12 @@ std::string get_string(const GstStructure* structure, const char* field) {
   return text != nullptr ? text : "";
 }
 
+void fixate_rate(GstStructure* caps, int rate) {
+  if (gst_structure_has_field(caps, "framerate")) {
+    gst_structure_fixate_field_nearest_fraction(caps, "framerate", rate, 1);
+  } else {
+    gst_structure_set(caps, "framerate", GST_TYPE_FRACTION, rate, 1, nullptr);
+  }
+}
+
 }  // namespace calvin::gst

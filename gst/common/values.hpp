@@ -24,6 +24,10 @@ void set_pixels(GstStructure* structure, const char* field, std::span<const Pixe
 void take_structures(GstStructure* structure, const char* field,
                      std::span<GstStructure* const> values);
 
+// Fixates the frame rate of caps near `rate` frames per second; it is that where nobody downstream
+// speaks of one, as before `interlace`.
+void fixate_rate(GstStructure* caps, int rate);
+
 // The inverse; empty where the field is missing or of another type.
 [[nodiscard]] std::vector<double> get_doubles(const GstStructure* structure, const char* field);
 [[nodiscard]] std::vector<int> get_ints(const GstStructure* structure, const char* field);

@@ -30,6 +30,7 @@
 #include "common/frames/frame_planes.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
+#include "common/values.hpp"
 #include "elements.hpp"
 #include "testsrc/luma_writer.hpp"
 #include "testsrc/test_properties.hpp"
@@ -160,7 +161,7 @@ static GstCaps* gst_calib_test_src_fixate(GstBaseSrc* src, GstCaps* caps) {
   GstStructure* s = gst_caps_get_structure(caps, 0);
   gst_structure_fixate_field_nearest_int(s, "width", size.width);
   gst_structure_fixate_field_nearest_int(s, "height", size.height);
-  gst_structure_fixate_field_nearest_fraction(s, "framerate", 30, 1);
+  gst::fixate_rate(s, 30);
   gst_structure_fixate_field(s, "format");
   // Grey levels use all of 0 to 255, so that a conversion to GRAY8 or RGB keeps them.
   const char* format = gst_structure_get_string(s, "format");

@@ -5,6 +5,8 @@
 
 #include "view/view_caps.hpp"
 
+#include "common/values.hpp"
+
 namespace calvin::gst {
 
 namespace {
@@ -33,7 +35,7 @@ GstCaps* fixate_view(GstCaps* caps, int width, int height) {
   gst_structure_fixate_field_string(s, "format", "BGRx");
   gst_structure_fixate_field_nearest_int(s, "width", width);
   gst_structure_fixate_field_nearest_int(s, "height", height);
-  gst_structure_fixate_field_nearest_fraction(s, "framerate", 25, 1);
+  fixate_rate(s, 25);
   return caps;
 }
 

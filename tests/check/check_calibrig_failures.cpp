@@ -25,7 +25,7 @@ GST_START_TEST(test_the_end_without_a_rig_says_what_is_missing) {
   };
   constexpr Case kCases[] = {{false, true, 0, "intrinsics=FILE"},
                              {true, false, 0, "has seen no board"},
-                             {true, true, GST_SECOND / 2, "have seen no board at the same time"}};
+                             {true, true, GST_SECOND / 2, "seen no board at the same time"}};
   for (const bool wants_file : {false, true}) {
     const Case& c = kCases[__i__];
     RigFixture f(rig_views::stereo(), c.intrinsics, c.clock_error);

@@ -4,6 +4,8 @@
 // calibsolve: from observation metas to messages, files and the sticky event, and what it says
 // when there is nothing to solve.
 
+#include <algorithm>
+
 #include "calvin/io/calibration_io.hpp"
 #include "calvin_config.h"
 #include "common/calibration_event.hpp"
@@ -198,6 +200,19 @@ GST_START_TEST(test_manual_mode_takes_what_it_is_told_to) {
   int views = 0;
   gst_structure_get_int(stats, "views", &views);
   fail_unless_equals_int(views, 8);
+  // One that was asked for in vain is answered, once; what nobody asked for is not rejected.
+  const auto rejections = [&f] {
+    const auto all = f.bus.named("calib-view");
+    return std::ranges::count_if(all, [](const GstStructure* view) {
+      return g_strcmp0(gst_structure_get_string(view, "reason"), "too-similar") == 0;
+    });
+  };
+  fail_unless_equals_int(rejections(), 1);
+  for (int n = 8; n < 12; ++n) gst_buffer_unref(f.push(n));
+  fail_unless_equals_int(rejections(), 1);
+  g_signal_emit_by_name(f.h->element, "capture-view");
+  for (int n = 0; n < 3; ++n) gst_buffer_unref(f.push(7));
+  fail_unless_equals_int(rejections(), 2);
   gboolean removed = FALSE;
   g_signal_emit_by_name(f.h->element, "remove-view", 7U, &removed);
   fail_unless(removed);

@@ -30,6 +30,12 @@ constexpr double kContradicts = 5;
 constexpr int kInARow = 5;  // which say the same
 // Of the mean of several: 5 sigmas in every number.
 constexpr double kMoved = 25;
+// What is told of a movement has a decimal of the one and two of the other: a smaller one, which
+// may be of pictures that were taken at other times than they tell, is of no use to anybody.
+constexpr double kMillimetre = 1e-3;
+constexpr double kDegree = 0.017453292519943295;
+constexpr double kLeastPlace = 0.05 * kMillimetre;
+constexpr double kLeastTurn = 0.005 * kDegree;  // rad
 // So many in a row, and it is said even if nothing tells which camera of the two it is.
 constexpr int kLongEnough = 15;
 
@@ -84,8 +90,6 @@ WatchedRig watched_rig(const Rig& rig, const std::vector<RigCameraViews>& seen,
 }
 
 std::string to_text(const MovedCamera& moved) {
-  constexpr double kMillimetre = 1e-3;
-  constexpr double kDegree = 0.017453292519943295;
   std::vector<std::string> names;
   for (const std::string& name : moved.cameras) names.push_back(fmt::format("'{}'", name));
   return fmt::format(
@@ -176,6 +180,7 @@ std::optional<MovedCamera> RigWatch::judge(const std::string& camera, const rig:
     return std::nullopt;
   }
   MovedCamera moved{{camera}, own.since, change.tail<3>().norm(), change.head<3>().norm()};
+  if (moved.place < kLeastPlace && moved.turn < kLeastTurn) return std::nullopt;
   // Two others do not move alike. One may have moved itself, unless a third one agrees with it.
   if (own.by.size() > 1) return moved;
   const std::string& other = *own.by.begin();

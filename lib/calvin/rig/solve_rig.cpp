@@ -154,7 +154,7 @@ Result<RigSolution> solve_joined(const std::vector<RigCameraViews>& seen,
       left.push_back(seen[c]);
       their_cameras.push_back(cameras[c]);
     } else {
-      const auto apart = rig::why_apart(seen, c, options.fixed_boards);
+      const auto apart = rig::why_apart(seen, c, options.fixed_boards, options.tolerance);
       left_out.push_back({seen[c].calibration.camera, apart ? apart->message : joined.why_not[c]});
     }
   }
@@ -219,7 +219,7 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
   for (std::size_t c = 0; c < seen.size(); ++c) {
-    if (const auto apart = rig::why_apart(seen, c, options.fixed_boards)) {
+    if (const auto apart = rig::why_apart(seen, c, options.fixed_boards, options.tolerance)) {
       return tl::unexpected<Error>(*apart);
     }
   }
@@ -246,7 +246,10 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   const double scale = solution.board_scale ? solution.board_scale->scale : 1;
   solution.rig.boards = rig::shown_boards(seen, one.views, fit.places, scale);
   rig::set_cameras(solved->calibrations, frames, fit.camera_rms, solution.rig);
-  set_offsets(one, solution);
+  auto contradiction = rig::contradiction_remark(solution.rig);
+  // Nor does what does not fit together tell of clocks.
+  if (!contradiction) set_offsets(one, solution);
+  if (contradiction) solution.remarks.push_back(*std::move(contradiction));
   set_frame(options, std::move(frames), solution);
   rig::set_fixed_boards(seen, solved->boards, scale, solution.rig, solution.remarks);
   for (const std::size_t view : fit.rejected) solution.rejected.push_back(one.views[view].of);

@@ -188,9 +188,14 @@ void CalibrationSession::report(Offered& offered, std::size_t place) {
     const std::uint64_t since = blurred_since_ == kNoTimestamp ? newest_ : blurred_since_;
     blurred_since_ = offered.reason == Reason::kBlurred ? since : kNoTimestamp;
   }
+  const bool is_answer = std::exchange(capture_unanswered_, false);
+  // Whoever chooses the views has rejected no other; before the first one, the hint says how to.
+  const bool is_chosen = views_.options().mode == CaptureMode::kManual && !views_.views().empty();
+  const bool is_told =
+      is_answer || (is_new && !(is_chosen && offered.reason == Reason::kTooSimilar));
   const bool is_hindered = !obstacle_.empty() && obstacle_ != told_obstacle_;
   const bool is_noticed = std::exchange(notice_is_new_, false);
-  offered.report = offered.reason == Reason::kAccepted || is_new || is_hindered || is_noticed;
+  offered.report = offered.reason == Reason::kAccepted || is_told || is_hindered || is_noticed;
   if (!offered.report) return;
   told_obstacle_ = obstacle_;
   offered.camera = camera_name();

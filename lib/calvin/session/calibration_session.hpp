@@ -119,7 +119,10 @@ class CalibrationSession {
   [[nodiscard]] bool first_complaint();
 
   // The next view is kept whatever else it is.
-  void capture_view() { views_.capture_next(); }
+  void capture_view() {
+    views_.capture_next();
+    capture_unanswered_ = true;
+  }
   // A final result of what is there, once the settings `now` are in force.
   [[nodiscard]] Status solve_now(const SessionSettings& now);
   void reset();
@@ -319,6 +322,7 @@ class CalibrationSession {
   FrameTimes times_;                            // of the newest frame with a board
   std::vector<Reason> last_reasons_;            // by place
   std::uint64_t blurred_since_ = kNoTimestamp;  // timestamp, of the first board of each frame
+  bool capture_unanswered_ = false;             // and no frame has come since
   Refusals refused_;
   std::shared_ptr<const EarlierCalibration> earlier_;  // not judged yet
   std::string notice_;                                 // what is told for a while, once

@@ -111,7 +111,7 @@ TEST_P(RefusedStrobl, CamerasThatNothingJoins) {
     }
     run.cameras[c] = std::move(kept);
   }
-  expect(run, "have seen no board at the same time");
+  expect(run, "seen no board at the same time");
 }
 
 // A hand that turns about a point of its own says nothing of lengths; with the pitch known it says

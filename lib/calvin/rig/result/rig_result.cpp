@@ -5,6 +5,10 @@
 
 #include "calvin/rig/result/rig_result.hpp"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "calvin/geometry/dense.hpp"
 #include "calvin/rig/pose_unknowns.hpp"
 
@@ -29,6 +33,22 @@ void set_places(const PlacedCameras& frames, std::vector<RigCamera>& cameras) {
     const Eigen::MatrixXd own = frames.covariance.block(at, at, kPose, kPose);
     camera.covariance = own.isZero(0) ? std::vector<double>() : row_major(own);
   }
+}
+
+std::optional<std::string> contradiction_remark(const Rig& rig) {
+  constexpr double kAtAll = 2;       // px
+  constexpr double kMuchWorse = 10;  // times what the lenses alone leave
+  double alone = 0;
+  for (const RigCamera& camera : rig.cameras) {
+    alone = std::max(alone, camera.calibration.rms.value_or(0));
+  }
+  const double rms = rig.rms.value_or(0);
+  if (rms < std::max(kAtAll, kMuchWorse * alone)) return std::nullopt;
+  return fmt::format(
+      "The views do not fit together: corners are {:.2g} px (RMS) from where the rig has them. See "
+      "that all cameras show the same board at the same time, that their clocks are one, and that "
+      "their intrinsics are those of the lenses as they stand.",
+      rms);
 }
 
 }  // namespace calvin::rig

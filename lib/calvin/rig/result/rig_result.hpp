@@ -4,6 +4,8 @@
 // What a solve of a rig says of its cameras. Internal.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "calvin/core/rig.hpp"
@@ -18,5 +20,9 @@ void set_cameras(const std::vector<Calibration>& cameras, const PlacedCameras& f
 
 // Their poses and covariances alone.
 void set_places(const PlacedCameras& frames, std::vector<RigCamera>& cameras);
+
+// What to look at where the views of a rig do not fit together at all, by its `rms` and those of
+// the calibrations of its cameras; absent where they do.
+[[nodiscard]] std::optional<std::string> contradiction_remark(const Rig& rig);
 
 }  // namespace calvin::rig

@@ -6,6 +6,7 @@
 #include "calvin/rig/start/given_views.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <string>
 #include <utility>
@@ -82,6 +83,41 @@ std::optional<Error> without_common_board(const std::vector<RigCameraViews>& see
                            seen[camera].calibration.camera, texts_of(own), texts_of(others))};
 }
 
+std::vector<std::uint64_t> times_of(const RigCameraViews& camera) {
+  std::vector<std::uint64_t> times;
+  for (const View& view : camera.views) {
+    const Observation& o = view.observation;
+    if (o.found() && o.timestamp != kNoTimestamp) times.push_back(o.timestamp);
+  }
+  std::ranges::sort(times);
+  return times;
+}
+
+// Cameras that take pictures at the same rate, each when it likes.
+std::optional<Error> without_common_time(const std::vector<RigCameraViews>& seen,
+                                         std::size_t camera, std::uint64_t tolerance) {
+  constexpr std::uint64_t kNear = 100'000'000;  // ns: farther apart, they show other places
+  constexpr double kMillisecond = 1e6;          // ns
+  const std::vector<std::uint64_t> own = times_of(seen[camera]);
+  std::uint64_t least = kNoTimestamp;
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    if (c == camera) continue;
+    for (const std::uint64_t time : times_of(seen[c])) {
+      const auto after = std::ranges::lower_bound(own, time);
+      if (after != own.end()) least = std::min(least, *after - time);
+      if (after != own.begin()) least = std::min(least, time - *std::prev(after));
+    }
+  }
+  if (least <= tolerance || least > kNear) return {};
+  return Error{
+      ErrorCode::kDegenerate,
+      fmt::format("The pictures of '{}' are {:.3g} ms or more from those of the other "
+                  "cameras, and those of one time are {:.3g} ms apart at the most: raise "
+                  "that (tolerance) to the time between two pictures of a camera.",
+                  seen[camera].calibration.camera, static_cast<double>(least) / kMillisecond,
+                  static_cast<double>(tolerance) / kMillisecond)};
+}
+
 }  // namespace
 
 Result<std::vector<Camera>> checked_cameras(const std::vector<RigCameraViews>& seen) {
@@ -109,9 +145,11 @@ Result<std::vector<Camera>> checked_cameras(const std::vector<RigCameraViews>& s
 }
 
 std::optional<Error> why_apart(const std::vector<RigCameraViews>& seen, std::size_t camera,
-                               bool fixed_boards) {
+                               bool fixed_boards, std::uint64_t tolerance) {
   if (auto error = without_times(seen[camera])) return error;
-  return fixed_boards ? std::nullopt : without_common_board(seen, camera);
+  if (fixed_boards) return {};
+  if (auto error = without_common_board(seen, camera)) return error;
+  return without_common_time(seen, camera, tolerance);
 }
 
 }  // namespace calvin::rig

@@ -19,9 +19,11 @@ namespace calvin::rig {
 [[nodiscard]] Result<std::vector<Camera>> checked_cameras(const std::vector<RigCameraViews>& seen);
 
 // Why a camera cannot be joined to any other, whatever it has seen: its views have no timestamps
-// (kInvalidArgument), or they are of boards that no other camera has seen (kDegenerate), which
-// counts unless boards are fixed to each other. Absent where neither is so.
+// (kInvalidArgument), or, which counts unless boards are fixed to each other, they are of boards
+// that no other camera has seen, or of no time at which another one has seen any, to `tolerance`
+// ns, though near to one (kDegenerate). Absent where nothing of it is so.
 [[nodiscard]] std::optional<Error> why_apart(const std::vector<RigCameraViews>& seen,
-                                             std::size_t camera, bool fixed_boards);
+                                             std::size_t camera, bool fixed_boards,
+                                             std::uint64_t tolerance);
 
 }  // namespace calvin::rig

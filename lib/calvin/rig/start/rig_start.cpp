@@ -30,9 +30,10 @@ std::string quoted(const std::vector<std::string>& names) {
 std::string not_joined(const std::vector<std::string>& joined,
                        const std::vector<std::string>& others) {
   return fmt::format(
-      "The cameras {} have seen no board at the same time as {}: show one to both, where their "
-      "pictures overlap, or to a third camera with each of them.",
-      quoted(others), quoted(joined));
+      "The {} {} seen no board at the same time as {}: show one to both, where their pictures "
+      "overlap, or to a third camera with each of them.",
+      others.size() == 1 ? "camera" : "cameras",
+      quoted(others) + (others.size() == 1 ? " has" : " have"), quoted(joined));
 }
 
 std::string not_decided(const std::string& a, const std::string& b) {
