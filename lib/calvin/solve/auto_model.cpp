@@ -18,6 +18,7 @@
 
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/solve/difference.hpp"
 #include "calvin/solve/split_halves.hpp"
 
 namespace calvin {
@@ -91,18 +92,24 @@ double gain(const Trial& a, const Trial& b) {
   return variance > 0 ? mean / std::sqrt(variance) : 0;
 }
 
-// Whether `b` predicts more of the views held out better than `a` does than a coin would. A model
-// that is far from right is so by much in a few views, which tells nothing of the others.
-bool is_better_in_most(const Trial& a, const Trial& b) {
-  double views = 0;
-  double lead = 0;
+// Whether `b` predicts views held out better than `a` does, by more than chance: the signed ranks
+// of the differences (F. Wilcoxon, Biometrics Bulletin 1, 1945). A model that is far from right is
+// so by much in a few views, which their ranks bound.
+bool is_better_by_ranks(const Trial& a, const Trial& b) {
+  std::vector<double> differences;
   for (const auto& [view, cost] : a.held_out) {
     const auto other = b.held_out.find(view);
-    if (other == b.held_out.end()) continue;
-    views += 1;
-    lead += other->second < cost ? 1 : -1;
+    if (other != b.held_out.end()) differences.push_back(cost - other->second);
   }
-  return lead > kGain * std::sqrt(views);
+  std::ranges::sort(differences, {}, [](double d) { return std::abs(d); });
+  double sum = 0;
+  double squares = 0;
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    const auto rank = static_cast<double>(i + 1);
+    sum += differences[i] > 0 ? rank : -rank;
+    squares += rank * rank;
+  }
+  return sum > kGain * std::sqrt(squares);
 }
 
 // From simple to rich; lenses about a plane come first, which most other programs read.
@@ -271,32 +278,109 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   return solution;
 }
 
+namespace {
+
+// The two richest of those about a plane, of which the richest is not always determined, and the
+// richest wide one.
+std::vector<std::string> richest() {
+  std::vector<std::string> about_a_plane;
+  std::vector<std::string> wide;
+  for (const std::string& model : candidates()) {
+    (find_lens(model)->perspective ? about_a_plane : wide).push_back(model);
+  }
+  return {about_a_plane.rbegin()[1], about_a_plane.back(), wide.back()};
+}
+
+double squares_held_out(const Trial& trial) { return held_out_rms(trial) * held_out_rms(trial); }
+
+// The simplest of the models that predict views held out as well as any of those that do so clearly
+// better than `own`; nullptr where none does.
+const Trial* better_than(const Trial& own, const std::vector<Trial>& others) {
+  constexpr double kLess = 0.8;     // of the variance
+  constexpr double kAsGood = 1.03;  // times the least distance of corners held out
+  std::vector<const Trial*> better;
+  double least = HUGE_VAL;
+  for (const Trial& other : others) {
+    if (!is_better_by_ranks(own, other)) continue;
+    if (squares_held_out(other) > kLess * squares_held_out(own)) continue;
+    better.push_back(&other);
+    least = std::min(least, held_out_rms(other));
+  }
+  const auto simplest = std::ranges::find_if(
+      better, [least](const Trial* t) { return held_out_rms(*t) <= kAsGood * least; });
+  return simplest == better.end() ? nullptr : *simplest;
+}
+
+// What the lens of a model lacks is in no covariance: the promises hold how far the projections of
+// a better model are from its own, and what that one promises itself.
+void hold_difference(Calibration& calibration, const Calibration& better) {
+  const auto own = Camera::make(calibration);
+  const auto other = Camera::make(better);
+  if (!own || !other) return;
+  DifferenceOptions options;
+  options.focus = {calibration.covered};
+  const auto apart = difference(*own, *other, options);
+  if (!apart) return;
+  const auto held = [](std::optional<double>& promise, std::optional<double> of_other, double max) {
+    if (!promise || !of_other) return 1.0;
+    // Twice the promise is what a user is told.
+    const double all = std::hypot(*promise, max / 2 + *of_other);
+    return std::exchange(*promise, all) / all;
+  };
+  const double share = held(calibration.expected_error, better.expected_error, apart->focus.max);
+  const double elsewhere =
+      held(calibration.expected_error_anywhere, better.expected_error_anywhere, apart->image.max);
+  if (elsewhere < 0.5) calibration.worst_place = apart->image.worst;
+  if (calibration.systematic) {
+    calibration.systematic = 1 - (1 - *calibration.systematic) * share * share;
+  }
+}
+
+std::string lacks(const Calibration& calibration, const Trial& own, const Trial& better) {
+  return fmt::format(
+      "The lens distorts in ways that {} does not have: {} predicts views held out to {:.2g} px, "
+      "where {} does to {:.2g} px. The accuracy of {:.2g} px holds that. Take {}, or model=auto.",
+      calibration.model, better.model, held_out_rms(better), calibration.model, held_out_rms(own),
+      2 * calibration.expected_error.value_or(0), better.model);
+}
+
+}  // namespace
+
 void try_other_models(Solution& solution, const std::vector<PointSet>& views,
                       const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
                       const std::stop_token& stop) {
-  constexpr double kMostLeft = 0.5;
+  constexpr double kHalf = 0.5;  // of the variance of views held out
+  constexpr double kPixel = 1;   // a smaller error is good whatever it is made of
+  constexpr double kGrown = 2;   // times the error that was promised without it
   Calibration& calibration = solution.calibration;
-  const auto squares = [](const Calibration& c) {
-    return c.held_out_rms ? *c.held_out_rms * *c.held_out_rms : HUGE_VAL;
-  };
   const Trial own = {options.model, solution, held_out_of(views, solution)};
-  const std::vector<Trial> others =
-      try_all(candidates(), some_of(views), shape, image_size, options, stop);
-  const Trial* better = nullptr;
-  for (const Trial& other : others) {
-    if (!is_better_in_most(own, other)) continue;
-    const double least = squares((better != nullptr ? *better : own).solution.calibration);
-    const double most = better != nullptr ? least : kMostLeft * least;
-    if (squares(other.solution.calibration) <= most) better = &other;
+  Misfit& misfit = solution.misfit;
+  const bool was_suspected = misfit.found() || misfit.noticed == Misfit::Cause::kModel;
+  const std::vector<PointSet> some = some_of(views);
+  // Where something else is as likely, the richest lenses tell whether it is worth the time.
+  if (!was_suspected) {
+    const auto probes = try_all(richest(), some, shape, image_size, options, stop);
+    if (better_than(own, probes) == nullptr) return;
   }
-  if (better == nullptr || calibration.remarks.empty()) return;
-  solution.misfit.cause = solution.misfit.noticed = Misfit::Cause::kModel;
-  calibration.misfit = to_string(solution.misfit.cause);
-  calibration.remarks.front() = fmt::format(
-      "The lens distorts in ways that {} does not have: {} predicts views held out to {:.2g} px, "
-      "where {} does to {:.2g} px. Take it, or model=auto.",
-      calibration.model, better->model, better->solution.calibration.held_out_rms.value_or(0),
-      calibration.model, calibration.held_out_rms.value_or(0));
+  const std::vector<Trial> others = try_all(candidates(), some, shape, image_size, options, stop);
+  const Trial* better = better_than(own, others);
+  if (better == nullptr) return;
+  const double before = calibration.expected_error.value_or(0);
+  hold_difference(calibration, better->solution.calibration);
+  const double after = calibration.expected_error.value_or(0);
+  const bool was_noticed = misfit.noticed != Misfit::Cause::kNone;
+  const bool is_removed = squares_held_out(*better) <= kHalf * squares_held_out(own);
+  if ((was_suspected && is_removed) || after > std::max(kPixel, kGrown * before)) {
+    misfit.cause = Misfit::Cause::kModel;
+  }
+  const bool is_cause = !misfit.found() || misfit.cause == Misfit::Cause::kModel;
+  if (is_cause) misfit.noticed = Misfit::Cause::kModel;
+  calibration.misfit = to_string(misfit.cause);
+  // Beside another cause it is a remark of its own.
+  auto& remarks = calibration.remarks;
+  auto remark = remarks.begin() + (is_cause ? 0 : 1);
+  if (!was_noticed || !is_cause) remark = remarks.emplace(remark);
+  *remark = lacks(calibration, own, *better);
 }
 
 }  // namespace calvin
