@@ -349,9 +349,9 @@ std::string lacks(const Calibration& calibration, const Trial& own, const Trial&
 void try_other_models(Solution& solution, const std::vector<PointSet>& views,
                       const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
                       const std::stop_token& stop) {
-  constexpr double kHalf = 0.5;  // of the variance of views held out
-  constexpr double kPixel = 1;   // a smaller error is good whatever it is made of
-  constexpr double kGrown = 2;   // times the error that was promised without it
+  constexpr double kHalf = 0.5;      // of the variance of views held out
+  constexpr double kGoodEnough = 1;  // px, whatever an error is made of
+  constexpr double kGrown = 2;       // times the error that was promised without it
   Calibration& calibration = solution.calibration;
   const Trial own = {options.model, solution, held_out_of(views, solution)};
   Misfit& misfit = solution.misfit;
@@ -370,7 +370,7 @@ void try_other_models(Solution& solution, const std::vector<PointSet>& views,
   const double after = calibration.expected_error.value_or(0);
   const bool was_noticed = misfit.noticed != Misfit::Cause::kNone;
   const bool is_removed = squares_held_out(*better) <= kHalf * squares_held_out(own);
-  if ((was_suspected && is_removed) || after > std::max(kPixel, kGrown * before)) {
+  if ((was_suspected && is_removed) || after > std::max(kGoodEnough, kGrown * before)) {
     misfit.cause = Misfit::Cause::kModel;
   }
   const bool is_cause = !misfit.found() || misfit.cause == Misfit::Cause::kModel;

@@ -23,10 +23,10 @@ inline constexpr std::string_view kAutoModel = "auto";
                                           const BoardShape& shape, ImageSize image_size,
                                           const SolveOptions& options, const std::stop_token& stop);
 
-// Where a solve has found what its model may be to blame for: where a model that auto tries predicts
-// views held out with clearly less of the variance, the promises hold how far the two are apart, and
-// the first remark names it. The model is the cause of a misfit where that error is above a pixel,
-// and where a lens was suspected that leaves half of the variance.
+// Where a solve has found what its model may be to blame for: where a model that auto tries
+// predicts views held out with clearly less of the variance, the promises hold how far the two are
+// apart, and the first remark names it. The model is the cause of a misfit where that error is
+// above a pixel, and where a lens was suspected that leaves half of the variance.
 void try_other_models(Solution& solution, const std::vector<PointSet>& views,
                       const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
                       const std::stop_token& stop);
