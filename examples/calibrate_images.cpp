@@ -162,6 +162,7 @@ bool parse(int argc, char** argv, Options& options) {
   g_autofree char* model = nullptr;
   g_autofree char* fix = nullptr;
   g_autofree char* initial = nullptr;
+  g_autofree char* exports = nullptr;
   g_autofree char* output = nullptr;
   g_auto(GStrv) unwanted = nullptr;
   gboolean one_camera = FALSE;
@@ -175,6 +176,8 @@ bool parse(int argc, char** argv, Options& options) {
        "NAME"},
       {"fix", 0, 0, G_OPTION_ARG_STRING, &fix, "Parameters that are held or tied", "aspect,k3"},
       {"initial", 0, 0, G_OPTION_ARG_FILENAME, &initial, "A calibration to start from", "FILE"},
+      {"export", 0, 0, G_OPTION_ARG_STRING, &exports,
+       "Further files, as the property export of calibsolve has them", "FORMAT:PATH,..."},
       {"leave-out", 0, 0, G_OPTION_ARG_STRING_ARRAY, &unwanted,
        "Pictures to leave out; may be given again", "'right*'"},
       {"one-camera", 0, 0, G_OPTION_ARG_NONE, &one_camera,
@@ -202,6 +205,7 @@ bool parse(int argc, char** argv, Options& options) {
   if (model != nullptr) options.model = model;
   if (fix != nullptr) options.fix = fix;
   if (initial != nullptr) options.initial = initial;
+  if (exports != nullptr) options.exports = exports;
   if (output != nullptr) options.output = output;
   for (char** p = unwanted; p != nullptr && *p != nullptr; ++p) options.leave_out.emplace_back(*p);
   options.one_camera = one_camera != FALSE;

@@ -28,6 +28,7 @@ struct Options {
   std::string model = "brown5";
   std::string fix;
   std::string initial;
+  std::string exports;
   std::vector<std::string> leave_out;
   bool one_camera = false;
   bool verdict = false;
@@ -81,6 +82,7 @@ inline GstElement* make_pipeline(const Options& options, const std::vector<Pictu
   if (!options.fix.empty()) g_object_set(calibrate, "fix", options.fix.c_str(), nullptr);
   if (!options.initial.empty())
     g_object_set(calibrate, "initial", options.initial.c_str(), nullptr);
+  if (!options.exports.empty()) g_object_set(calibrate, "export", options.exports.c_str(), nullptr);
   // Pictures wait for the detector, and every board counts.
   gst_util_set_object_arg(G_OBJECT(calibrate), "mode", "sync");
   gst_util_set_object_arg(G_OBJECT(calibrate), "capture-mode", "all");
@@ -93,11 +95,13 @@ inline GstElement* make_pipeline(const Options& options, const std::vector<Pictu
 inline std::string words_for(const GstStructure* detection, const std::string& board) {
   const char* reason = gst_structure_get_string(detection, "reason");
   const char* seen = gst_structure_get_string(detection, "seen");
-  if (seen != nullptr) {
+  const char* hint = gst_structure_get_string(detection, "hint");
+  if (seen != nullptr && board.starts_with("checkerboard")) {
     return fmt::format("it shows a board of {} inner corners, and {} is looked for: see --board.",
                        seen, board);
   }
   if (reason != nullptr && g_str_equal(reason, "wrong-board")) {
+    if (hint != nullptr) return fmt::format("{}: see --board.", hint);
     return fmt::format("it shows another board than {}: see --board.", board);
   }
   return "no board was found: all of it in the picture, sharp and evenly lit?";

@@ -329,11 +329,7 @@ int run(Arguments arguments) {
     return failed(written.error());
   }
   print(*solved);
-  for (const calvin::RigExport& to : arguments.exports) {
-    const auto written = rig_export::write(solved->rig, to);
-    if (!written) return failed(written.error());
-  }
-  return 0;
+  return rig_export::write_all(solved->rig, arguments.exports) ? 0 : kFailed;
 }
 
 int run_tool(int argc, char** argv) {

@@ -319,11 +319,7 @@ int run(const Arguments& arguments) {
     return failed(written.error());
   }
   print(*solved, arguments.options.intrinsics);
-  for (const calvin::RigExport& to : arguments.exports) {
-    const auto written = rig_export::write(solved->rig, to);
-    if (!written) return failed(written.error());
-  }
-  return 0;
+  return rig_export::write_all(solved->rig, arguments.exports) ? 0 : kFailed;
 }
 
 int run_tool(int argc, char** argv) {

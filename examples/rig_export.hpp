@@ -51,6 +51,18 @@ inline calvin::Status write(const calvin::Rig& rig, const calvin::RigExport& to)
   return calvin::write_file(to.path, calvin::print_glb(calvin::make_scene(rig)));
 }
 
+// All that can be; whether that is all. What cannot is named.
+inline bool write_all(const calvin::Rig& rig, const Exports& exports) {
+  bool all = true;
+  for (const calvin::RigExport& to : exports) {
+    const calvin::Status written = write(rig, to);
+    if (written) continue;
+    fmt::print(stderr, "{}:{} is not written: {}\n", to.format, to.path, written.error().message);
+    all = false;
+  }
+  return all;
+}
+
 // The file of the rig and all further ones.
 inline std::vector<output_files::Output> outputs(const std::string& rig, const Exports& exports) {
   std::vector<output_files::Output> all = {{rig, {output_files::kRig}}};

@@ -18,45 +18,6 @@
 
 namespace calvin {
 
-bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning) {
-  if (std::exchange(size_, size) == size) return false;
-  auto fitted = fit_initial(plan_, size);
-  initial_ = std::move(fitted.calibration);
-  warning = std::move(fitted.warning);
-  change_views(size);
-  begin_points();
-  renew_hint();
-  return true;
-}
-
-void CalibrationSession::change_views(ImageSize size) {
-  constexpr std::size_t kMostAside = 3000;  // a stream may change its size for ever
-  drop_manual_view();                       // its pixels are of pictures of the size before
-  const Session::Views before = views_.views();
-  if (!before.empty()) begin_session();
-  Session::Views candidates = std::exchange(set_aside_, {});
-  candidates.insert(candidates.end(), before.begin(), before.end());
-  for (const auto& view : candidates) {
-    if (view->observation.image_size != size) {
-      set_aside_.push_back(view);
-    } else if (views_.restore(view) == Reason::kAccepted) {
-      camera_ = view->observation.camera;
-      board_ = view->board;
-      note_taken({.timestamp = view->observation.timestamp});
-      lens_.views_restored();
-    }
-  }
-  if (set_aside_.size() > kMostAside) {
-    set_aside_.erase(set_aside_.begin(),
-                     set_aside_.end() - static_cast<std::ptrdiff_t>(kMostAside));
-  }
-  // Only the first frame tells whether the source is live, and with it what is solved for.
-  taken_up_ = !views_.views().empty();
-  if (taken_up_) ++revision_;
-  const std::size_t taken_up = views_.views().size();
-  if (auto notice = other_frames(size, taken_up, set_aside_)) say_later(*std::move(notice));
-}
-
 void CalibrationSession::note_taken(const FrameTimes& times) {
   if (const auto gone = views_.replaced()) {
     taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(*gone));
@@ -297,6 +258,7 @@ void CalibrationSession::reset() {
   const bool any = !views_.views().empty() || !set_aside_.empty();
   begin_session();
   set_aside_.clear();
+  of_other_sizes_.clear();
   begin_points();
   if (any) write_down(true, {});
 }

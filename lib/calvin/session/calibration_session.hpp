@@ -254,6 +254,7 @@ class CalibrationSession {
   void begin_session();
   // Keeps the views of frames of another size, and takes up those of `size`.
   void change_views(ImageSize size);
+  [[nodiscard]] std::optional<Calibration> calibration_of(ImageSize size);
   // After other options, or other points: what they ask for.
   void weigh_points();
   void forget_points();
@@ -390,6 +391,7 @@ class CalibrationSession {
   bool published_ = false;  // a calibration of what is set and kept was good enough for the files
   std::optional<double> published_error_;    // its compared_error(), px
   std::optional<Calibration> announcement_;  // was published, and downstream has not got it
+  std::vector<Calibration> of_other_sizes_;  // published of frames of other sizes than size_
   ResultWrites writes_;
 };
 

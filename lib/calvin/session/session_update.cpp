@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// How the settings of a session come into force.
+// How the settings of a session, and frames of another size, come into force.
 
+#include <algorithm>
 #include <utility>
 
 #include "calvin/session/calibration_session.hpp"
@@ -19,6 +20,7 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   views_.set_options(plan_.session_options(live_));
   writes_.begin_files(writable);
   set_aside_.clear();
+  of_other_sizes_.clear();
   journaling_ = false;
   taken_up_ = false;
   earlier_.reset();
@@ -92,6 +94,63 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
 void CalibrationSession::solve_when_up_to_date(const SessionSettings& now) {
   if (!is_up_to_date(now) || !std::exchange(solve_waits_, false)) return;
   if (enough_views()) ask(true);
+}
+
+bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning) {
+  if (std::exchange(size_, size) == size) return false;
+  auto fitted = fit_initial(plan_, size);
+  initial_ = std::move(fitted.calibration);
+  warning = std::move(fitted.warning);
+  change_views(size);
+  begin_points();
+  renew_hint();
+  return true;
+}
+
+void CalibrationSession::change_views(ImageSize size) {
+  constexpr std::size_t kMostAside = 3000;  // a stream may change its size for ever
+  drop_manual_view();                       // its pixels are of pictures of the size before
+  const Session::Views before = views_.views();
+  const auto known = calibration_of(size);
+  if (!before.empty()) begin_session();
+  Session::Views candidates = std::exchange(set_aside_, {});
+  candidates.insert(candidates.end(), before.begin(), before.end());
+  for (const auto& view : candidates) {
+    if (view->observation.image_size != size) {
+      set_aside_.push_back(view);
+    } else if (views_.restore(view) == Reason::kAccepted) {
+      camera_ = view->observation.camera;
+      board_ = view->board;
+      note_taken({.timestamp = view->observation.timestamp});
+      lens_.views_restored();
+    }
+  }
+  if (set_aside_.size() > kMostAside) {
+    set_aside_.erase(set_aside_.begin(),
+                     set_aside_.end() - static_cast<std::ptrdiff_t>(kMostAside));
+  }
+  // Only the first frame tells whether the source is live, and with it what is solved for.
+  taken_up_ = !views_.views().empty();
+  if (taken_up_) ++revision_;
+  // Until they are solved anew, downstream goes on with what they told before.
+  if (taken_up_) announcement_ = known;
+  const std::size_t taken_up = views_.views().size();
+  if (auto notice = other_frames(size, taken_up, set_aside_)) say_later(*std::move(notice));
+}
+
+// What was published of frames of that size; what was of the size before is kept.
+std::optional<Calibration> CalibrationSession::calibration_of(ImageSize size) {
+  constexpr std::size_t kMost = 8;  // sizes
+  if (published_ && calibration_) {
+    std::erase_if(of_other_sizes_, [this](const Calibration& of) {
+      return of.image_size == calibration_->image_size;
+    });
+    if (of_other_sizes_.size() >= kMost) of_other_sizes_.erase(of_other_sizes_.begin());
+    of_other_sizes_.push_back(*calibration_);
+  }
+  const auto known = std::ranges::find(of_other_sizes_, size, &Calibration::image_size);
+  if (known == of_other_sizes_.end()) return std::nullopt;
+  return *known;
 }
 
 }  // namespace calvin

@@ -25,8 +25,8 @@ namespace calvin {
 
 namespace {
 
-// The least gain of a richer model, in standard deviations of the paired difference: 2.3 % of noise
-// exceeds it.
+// The least gain of another model, in standard deviations of what noise makes of it, which exceeds
+// it in 2.3 % of all cases.
 constexpr double kGain = 2;
 
 struct Trial {
@@ -70,26 +70,6 @@ std::vector<PointSet> masked(const std::vector<PointSet>& views, const Solution&
     result.push_back(std::move(kept));
   }
   return result;
-}
-
-// By how many standard deviations `b` predicts the views held out better than `a` does.
-double gain(const Trial& a, const Trial& b) {
-  double n = 0;
-  double sum = 0;
-  double squares = 0;
-  for (const auto& [view, cost] : a.held_out) {
-    const auto other = b.held_out.find(view);
-    if (other == b.held_out.end() || !std::isfinite(cost)) continue;
-    if (!std::isfinite(other->second)) return -kGain;
-    const double difference = cost - other->second;
-    n += 1;
-    sum += difference;
-    squares += difference * difference;
-  }
-  if (n < 3) return 0;
-  const double mean = sum / n;
-  const double variance = std::max(squares / n - mean * mean, 0.0) / (n - 1);
-  return variance > 0 ? mean / std::sqrt(variance) : 0;
 }
 
 // Whether `b` predicts views held out better than `a` does, by more than chance: the signed ranks
@@ -219,18 +199,19 @@ std::size_t choose(const std::vector<Trial>& trials, const std::vector<PointSet>
 
 std::string explain(const std::vector<Trial>& trials, std::size_t best,
                     const std::vector<std::string>& far) {
-  std::vector<std::string> others;
+  const auto words = [](const Trial& trial) {
+    return fmt::format("{} {:.3g} px", trial.model, held_out_rms(trial));
+  };
+  std::vector<std::string> held_out = {words(trials[best])};
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    if (i == best) continue;
-    const double sigmas = gain(trials[best], trials[i]);
-    others.push_back(fmt::format("{} {} by {:.1f} sigma", trials[i].model,
-                                 sigmas > 0 ? "better" : "worse", std::abs(sigmas)));
+    if (i != best) held_out.push_back(words(trials[i]));
   }
-  for (const std::string& model : far) others.push_back(model + " far worse");
+  for (const std::string& model : far) held_out.push_back(model + " far worse");
   return fmt::format(
-      "The views ask for the model {}. Of models that predict views held out as well, the one is "
-      "taken on which halves of the views agree (from 8 views on). On views held out: {}.",
-      trials[best].model, join(others, ", "));
+      "The views ask for the model {}: among those that predict views held out to within 3 % of "
+      "the "
+      "best, halves of the views agree on it (from 8 views on). On views held out: {}.",
+      trials[best].model, join(held_out, ", "));
 }
 
 }  // namespace
@@ -293,22 +274,23 @@ std::vector<std::string> richest() {
 
 double squares_held_out(const Trial& trial) { return held_out_rms(trial) * held_out_rms(trial); }
 
-// The simplest of the models that predict views held out as well as any of those that do so clearly
-// better than `own`; nullptr where none does.
+// Of the models that predict views held out clearly better than `own` the best; about a plane, the
+// simplest that is as good. nullptr where none does.
 const Trial* better_than(const Trial& own, const std::vector<Trial>& others) {
   constexpr double kLess = 0.8;     // of the variance
   constexpr double kAsGood = 1.03;  // times the least distance of corners held out
   std::vector<const Trial*> better;
-  double least = HUGE_VAL;
   for (const Trial& other : others) {
     if (!is_better_by_ranks(own, other)) continue;
-    if (squares_held_out(other) > kLess * squares_held_out(own)) continue;
-    better.push_back(&other);
-    least = std::min(least, held_out_rms(other));
+    if (squares_held_out(other) <= kLess * squares_held_out(own)) better.push_back(&other);
   }
-  const auto simplest = std::ranges::find_if(
-      better, [least](const Trial* t) { return held_out_rms(*t) <= kAsGood * least; });
-  return simplest == better.end() ? nullptr : *simplest;
+  if (better.empty()) return nullptr;
+  const Trial& best = **std::ranges::min_element(
+      better, {}, [](const Trial* trial) { return held_out_rms(*trial); });
+  if (!find_lens(best.model)->perspective) return &best;
+  return *std::ranges::find_if(better, [&best](const Trial* trial) {
+    return held_out_rms(*trial) <= kAsGood * held_out_rms(best);
+  });
 }
 
 // What the lens of a model lacks is in no covariance: the promises hold how far the projections of

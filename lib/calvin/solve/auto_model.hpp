@@ -15,10 +15,9 @@ namespace calvin {
 inline constexpr std::string_view kAutoModel = "auto";
 
 // Solves for every sensible model. Of those that predict views held out to within 3 % of the best,
-// and no other better by more than 2 sigma of the paired difference, the simplest on which halves
-// of the views agree to within 10 % of the best; or one on which they agree to within 20 %, where
-// it knows much more of what no corner was seen in. Calibration::remarks says which model was taken
-// and why.
+// the simplest on which halves of the views agree to within 10 % of the best; or one on which they
+// agree to within 20 %, where it knows much more of what no corner was seen in.
+// Calibration::remarks says which model was taken and why.
 [[nodiscard]] Result<Solution> solve_auto(const std::vector<PointSet>& views,
                                           const BoardShape& shape, ImageSize image_size,
                                           const SolveOptions& options, const std::stop_token& stop);
