@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <gst/gst.h>
 
+#include "calibrate_images_board.hpp"
 #include "calibrate_images_folder.hpp"
 #include "calibrate_images_pair.hpp"
 #include "calibrate_images_run.hpp"
@@ -234,6 +235,10 @@ int run_tool(int argc, char** argv) {
   if (!calibrate_images::check_elements() || !prepare(options)) return kFailed;
   const Folder folder = choose_pictures(options);
   if (folder.pictures.empty()) return kFailed;
+  if (const auto seen = calibrate_images::board_seen(options.board, folder.pictures)) {
+    fmt::print("The pictures show {}\n", *seen);
+    options.board = *seen;
+  }
   GstElement* pipeline = calibrate_images::make_pipeline(options, folder.pictures);
   const Outcome outcome = calibrate_images::run(pipeline, folder.pictures, options.board);
   gst_object_unref(pipeline);

@@ -47,6 +47,28 @@ std::optional<std::string> uncovered(const Calibration& calibration) {
       place, 2 * anywhere, 2 * covered);
 }
 
+// Pixels that are clearly no squares: cameras have such ones rarely.
+std::optional<std::string> oblong_pixels(const Calibration& calibration, const Eigen::MatrixXd& c,
+                                         ParameterRange focal) {
+  constexpr double kMuch = 0.01;
+  constexpr double kClearly = 4;  // sigmas
+  if (focal.count != 2) return std::nullopt;
+  const auto at = static_cast<std::size_t>(focal.first);
+  const double fx = calibration.parameters[at].value;
+  const double fy = calibration.parameters[at + 1].value;
+  const int i = focal.first;
+  const double variance =
+      c(i, i) / (fx * fx) + c(i + 1, i + 1) / (fy * fy) - 2 * c(i, i + 1) / (fx * fy);
+  const double longer = std::abs(std::log(fx / fy));
+  if (longer < kMuch || longer < kClearly * std::sqrt(std::max(variance, 0.0))) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "fx and fy differ by {:.2g} %: if the pixels of the camera are square, the print is "
+      "stretched, or the picture was. Measure the sides of the board.",
+      100 * longer);
+}
+
 // Ratio: the detector's sigmas may be too small by this much before chi counts as a misfit.
 constexpr double kSigmaTolerance = 1.25;
 // px: the error that corners nearby have in common by the detector itself, whose model of an edge
@@ -124,9 +146,8 @@ std::string board_finding(const Misfit& misfit, const FitDiagnostics& diagnostic
         "{:.2g} px{}. See that its sides, gaps and numbers are those of the text.",
         misfit.board_residual, as);
   }
-  if (!(diagnostics.board_variance > 0)) {
-    return fmt::format("The corners of the board are not where they were printed{}.", as);
-  }
+  // What views agree on is out of the plane.
+  if (!(diagnostics.board_variance > 0)) return fmt::format("The board is not flat{}.", as);
   return fmt::format("The corners of the board are {:.2g} mm from where they were printed{}.",
                      1e3 * std::sqrt(diagnostics.board_variance), as);
 }
@@ -242,6 +263,9 @@ void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& cam
     remarks.push_back(fmt::format(
         "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
         100 * focal));
+  }
+  if (auto oblong = oblong_pixels(solution.calibration, c, range)) {
+    remarks.push_back(std::move(*oblong));
   }
   if (auto where = uncovered(solution.calibration)) remarks.push_back(std::move(*where));
   // The picture of a lens that sees past 90 degrees may end before the image does.
