@@ -5,7 +5,6 @@
 
 #include "calvin/solve/split_halves.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -44,16 +43,9 @@ std::optional<double> largest_difference(const Calibration& a, const Calibration
 
 std::vector<PointSet> some_of(const std::vector<PointSet>& views) {
   constexpr std::size_t kMost = 50;
-  // By what they show, so that nothing depends on the order in which pictures are named.
-  std::vector<const PointSet*> sorted;
-  for (const PointSet& view : views) sorted.push_back(&view);
-  const auto first = [](const PointSet* view) {
-    return view->uv.empty() ? std::pair(0.0, 0.0) : std::pair(view->uv[0].u, view->uv[0].v);
-  };
-  std::ranges::stable_sort(sorted, {}, first);
   const std::size_t every = (views.size() + kMost - 1) / kMost;
   std::vector<PointSet> some;
-  for (std::size_t i = 0; i < sorted.size(); i += every) some.push_back(*sorted[i]);
+  for (std::size_t i = 0; i < views.size(); i += every) some.push_back(views[i]);
   return some;
 }
 

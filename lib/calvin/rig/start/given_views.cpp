@@ -100,12 +100,16 @@ std::optional<Error> without_common_time(const std::vector<RigCameraViews>& seen
   constexpr double kMillisecond = 1e6;          // ns
   const std::vector<std::uint64_t> own = times_of(seen[camera]);
   std::uint64_t least = kNoTimestamp;
+  std::size_t nearest = camera;
   for (std::size_t c = 0; c < seen.size(); ++c) {
     if (c == camera) continue;
     for (const std::uint64_t time : times_of(seen[c])) {
       const auto after = std::ranges::lower_bound(own, time);
-      if (after != own.end()) least = std::min(least, *after - time);
-      if (after != own.begin()) least = std::min(least, time - *std::prev(after));
+      const std::uint64_t ahead = after != own.end() ? *after - time : kNoTimestamp;
+      const std::uint64_t behind = after != own.begin() ? time - *std::prev(after) : kNoTimestamp;
+      if (std::min(ahead, behind) >= least) continue;
+      least = std::min(ahead, behind);
+      nearest = c;
     }
   }
   if (least <= tolerance || least > kNear) return {};
