@@ -115,11 +115,11 @@ std::optional<Error> without_common_time(const std::vector<RigCameraViews>& seen
   if (least <= tolerance || least > kNear) return {};
   return Error{
       ErrorCode::kDegenerate,
-      fmt::format("The pictures of '{}' are {:.3g} ms or more from those of the other "
-                  "cameras, and those of one time are {:.3g} ms apart at the most: raise "
-                  "that (tolerance) to the time between two pictures of a camera.",
+      fmt::format("The pictures of '{}' are {:.3g} ms or more from those of '{}', and those "
+                  "of one time are {:.3g} ms apart at the most: raise that (tolerance) to "
+                  "the time between two pictures of a camera.",
                   seen[camera].calibration.camera, static_cast<double>(least) / kMillisecond,
-                  static_cast<double>(tolerance) / kMillisecond)};
+                  seen[nearest].calibration.camera, static_cast<double>(tolerance) / kMillisecond)};
 }
 
 }  // namespace
