@@ -273,7 +273,7 @@ void CalibrationSession::begin_session() {
   compare_with_target();
   announcement_.reset();
   published_ = finished_ = complained_ = false;
-  asked_ = final_owed_ = solve_waits_ = false;
+  asked_ = final_owed_ = solve_waits_ = capture_unanswered_ = false;
   last_reasons_.clear();
   refused_.clear();
   obstacle_.clear();

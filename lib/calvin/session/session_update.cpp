@@ -78,6 +78,7 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
     initial_ = std::move(fitted.calibration);
     warning = std::move(fitted.warning);
     published_ = false;  // the calibration is one of the old way
+    of_other_sizes_.clear();
     solve_error_.clear();
   }
   if (other_points) begin_points();

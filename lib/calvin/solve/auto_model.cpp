@@ -79,7 +79,9 @@ bool is_better_by_ranks(const Trial& a, const Trial& b) {
   std::vector<double> differences;
   for (const auto& [view, cost] : a.held_out) {
     const auto other = b.held_out.find(view);
-    if (other != b.held_out.end()) differences.push_back(cost - other->second);
+    const bool known =
+        other != b.held_out.end() && (std::isfinite(cost) || std::isfinite(other->second));
+    if (known) differences.push_back(cost - other->second);
   }
   std::ranges::sort(differences, {}, [](double d) { return std::abs(d); });
   double sum = 0;
@@ -208,9 +210,8 @@ std::string explain(const std::vector<Trial>& trials, std::size_t best,
   }
   for (const std::string& model : far) held_out.push_back(model + " far worse");
   return fmt::format(
-      "The views ask for the model {}: among those that predict views held out to within 3 % of "
-      "the "
-      "best, halves of the views agree on it (from 8 views on). On views held out: {}.",
+      "The views ask for the model {}: halves of the views agree on it (from 8 views on), of those "
+      "that predict views held out to within 3 % of the best. On views held out: {}.",
       trials[best].model, join(held_out, ", "));
 }
 
@@ -312,7 +313,8 @@ void hold_difference(Calibration& calibration, const Calibration& better) {
   const double share = held(calibration.expected_error, better.expected_error, apart->focus.max);
   const double elsewhere =
       held(calibration.expected_error_anywhere, better.expected_error_anywhere, apart->image.max);
-  if (elsewhere < 0.5) calibration.worst_place = apart->image.worst;
+  constexpr double kMost = 0.5;  // of the promise: the rest of it is that
+  if (elsewhere < kMost) calibration.worst_place = apart->image.worst;
   if (calibration.systematic) {
     calibration.systematic = 1 - (1 - *calibration.systematic) * share * share;
   }
