@@ -23,6 +23,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/detect/board_identifier.hpp"
 #include "calvin/io/board_names.hpp"
+#include "calvin/session/files/calibration_files.hpp"
 #include "print_calibration.hpp"
 #include "tool_main.hpp"
 
@@ -230,6 +231,10 @@ int run_tool(int argc, char** argv) {
   if (!parse(argc, argv, options)) return kUsage;
   if (const calvin::Status board = check_board(options.board); !board) {
     fmt::print(stderr, "{}\n", board.error().message);
+    return kUsage;
+  }
+  if (const auto files = calvin::parse_calibration_files("", options.exports); !files) {
+    fmt::print(stderr, "{}\n", files.error().message);
     return kUsage;
   }
   if (!calibrate_images::check_elements() || !prepare(options)) return kFailed;

@@ -179,10 +179,12 @@ grep -q 'verdict: not good, misfit model' out || fail "no misfit: $(cat out)"
 leaves 0 --model pinhole exact
 
 # A board that nobody named is looked for first, so that no picture is lost; and further files.
-leaves 0 --board auto:25mm --export opencv:further.yml exact
+leaves 0 --board auto:25mm --export opencv-yaml:further.yml exact
 grep -q '^8 of 8 pictures used' out || fail "auto loses pictures: $(cat out)"
 grep -q '^The pictures show checkerboard:9x6:25mm' out || fail "which board is it: $(cat out)"
 grep -q camera_matrix further.yml || fail "no further file: $(cat out err)"
+leaves 2 --export opencv:further.yml exact
+grep -q "opencv-yaml" err || fail "no right format is named: $(cat err)"
 
 # Another board than the one that is asked for is told, with its size.
 leaves 1 --board checkerboard:8x5:25mm exact
