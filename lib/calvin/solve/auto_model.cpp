@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,6 +29,9 @@ namespace {
 // The least gain of another model, in standard deviations of what noise makes of it, which exceeds
 // it in 2.3 % of all cases.
 constexpr double kGain = 2;
+
+// Models whose corners held out are so many times as far off as those of the best are as good.
+constexpr double kAsGood = 1.03;
 
 struct Trial {
   std::string model;
@@ -153,7 +157,6 @@ Rivals rivals_of(const std::vector<Trial>& trials) {
 // The models that predict views held out about as well as the best one does, in the order of the
 // trials.
 std::vector<std::size_t> as_good_as_any(const std::vector<Trial>& trials) {
-  constexpr double kAsGood = 1.03;  // times the least distance of corners held out
   double least = HUGE_VAL;
   for (const Trial& trial : trials) least = std::min(least, held_out_rms(trial));
   std::vector<std::size_t> good;
@@ -278,8 +281,7 @@ double squares_held_out(const Trial& trial) { return held_out_rms(trial) * held_
 // Of the models that predict views held out clearly better than `own` the best; about a plane, the
 // simplest that is as good. nullptr where none does.
 const Trial* better_than(const Trial& own, const std::vector<Trial>& others) {
-  constexpr double kLess = 0.8;     // of the variance
-  constexpr double kAsGood = 1.03;  // times the least distance of corners held out
+  constexpr double kLess = 0.8;  // of the variance
   std::vector<const Trial*> better;
   for (const Trial& other : others) {
     if (!is_better_by_ranks(own, other)) continue;
@@ -320,6 +322,26 @@ void hold_difference(Calibration& calibration, const Calibration& better) {
   }
 }
 
+// All candidates, from simple to rich; none where the richest of them are no better than `own`, and
+// nothing else makes the lens suspect.
+std::vector<Trial> try_others(const Trial& own, bool is_suspect, const std::vector<PointSet>& views,
+                              const BoardShape& shape, ImageSize size, const SolveOptions& options,
+                              const std::stop_token& stop) {
+  const std::vector<std::string> all = candidates();
+  const std::vector<std::string> first = richest();
+  std::vector<Trial> trials = try_all(first, views, shape, size, options, stop);
+  if (!is_suspect && better_than(own, trials) == nullptr) return {};
+  std::vector<std::string> rest = all;
+  std::erase_if(rest, [&](const std::string& model) {
+    return std::ranges::find(first, model) != first.end();
+  });
+  std::ranges::move(try_all(rest, views, shape, size, options, stop), std::back_inserter(trials));
+  std::ranges::sort(trials, {}, [&all](const Trial& trial) {
+    return std::ranges::find(all, trial.model) - all.begin();
+  });
+  return trials;
+}
+
 std::string lacks(const Calibration& calibration, const Trial& own, const Trial& better) {
   return fmt::format(
       "The lens distorts in ways that {} does not have: {} predicts views held out to {:.2g} px, "
@@ -329,6 +351,12 @@ std::string lacks(const Calibration& calibration, const Trial& own, const Trial&
 }
 
 }  // namespace
+
+bool may_be_the_lens(const Misfit& misfit) {
+  constexpr double kHalvesDiffer = 1.5;
+  if (misfit.found() || misfit.split_half_ratio > kHalvesDiffer) return true;
+  return misfit.noticed != Misfit::Cause::kNone && misfit.noticed != Misfit::Cause::kBoard;
+}
 
 void try_other_models(Solution& solution, const std::vector<PointSet>& views,
                       const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
@@ -340,13 +368,8 @@ void try_other_models(Solution& solution, const std::vector<PointSet>& views,
   const Trial own = {options.model, solution, held_out_of(views, solution)};
   Misfit& misfit = solution.misfit;
   const bool was_suspected = misfit.found() || misfit.noticed == Misfit::Cause::kModel;
-  const std::vector<PointSet> some = some_of(views);
-  // Where something else is as likely, the richest lenses tell whether it is worth the time.
-  if (!was_suspected) {
-    const auto probes = try_all(richest(), some, shape, image_size, options, stop);
-    if (better_than(own, probes) == nullptr) return;
-  }
-  const std::vector<Trial> others = try_all(candidates(), some, shape, image_size, options, stop);
+  const std::vector<Trial> others =
+      try_others(own, was_suspected, some_of(views), shape, image_size, options, stop);
   const Trial* better = better_than(own, others);
   if (better == nullptr) return;
   const double before = calibration.expected_error.value_or(0);
@@ -357,7 +380,8 @@ void try_other_models(Solution& solution, const std::vector<PointSet>& views,
   if ((was_suspected && is_removed) || after > std::max(kGoodEnough, kGrown * before)) {
     misfit.cause = Misfit::Cause::kModel;
   }
-  const bool is_cause = !misfit.found() || misfit.cause == Misfit::Cause::kModel;
+  const bool is_of_board = misfit.noticed == Misfit::Cause::kBoard;
+  const bool is_cause = misfit.cause == Misfit::Cause::kModel || (!misfit.found() && !is_of_board);
   if (is_cause) misfit.noticed = Misfit::Cause::kModel;
   calibration.misfit = to_string(misfit.cause);
   // Beside another cause it is a remark of its own.

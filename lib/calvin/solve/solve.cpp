@@ -193,13 +193,7 @@ Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> 
     if (solution && solution->calibration.model != options.model) return solution;
   }
   if (!solution || solution->calibration.views.size() < kViewsEnough) return solution;
-  const Misfit& misfit = solution->misfit;
-  // What a lens lacks may be all that makes views, or halves of them, contradict each other, too.
-  constexpr double kHalvesDiffer = 1.5;
-  const bool may_be_lens =
-      misfit.noticed == Misfit::Cause::kModel || misfit.noticed == Misfit::Cause::kMotion ||
-      misfit.noticed == Misfit::Cause::kNoise || misfit.split_half_ratio > kHalvesDiffer;
-  if (!misfit.found() && !may_be_lens) return solution;
+  if (!may_be_the_lens(solution->misfit)) return solution;
   if (const auto again = usable_views(views, size)) {
     try_other_models(*solution, again->views, shape, size, options, stop);
   }

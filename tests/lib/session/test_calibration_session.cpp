@@ -115,31 +115,6 @@ TEST_F(CalibrationSessions, AskForFewerSolvesTheMoreViewsThereAre) {
   EXPECT_EQ(solved, (std::vector<std::size_t>{3, 4, 6, 8, 11, 14, 18}));
 }
 
-// Frames of another size and back: downstream goes on with what was solved of that size, and need
-// not stretch the other one until the views are solved anew.
-TEST_F(CalibrationSessions, TellWhatWasSolvedOfAnEarlierSize) {
-  begin();
-  constexpr ImageSize size = scenes::kSize;
-  show(4);
-  const auto job = session_.take_solve();
-  ASSERT_TRUE(job.has_value());
-  Solution solution = found(*job, 0.1);
-  solution.calibration.image_size = size;
-  ASSERT_TRUE(session_.solved(*job, solution).has_value());
-  EXPECT_TRUE(session_.take_announcement().has_value());
-  std::optional<Error> warning;
-  EXPECT_TRUE(session_.set_size({320, 240}, warning));
-  EXPECT_FALSE(session_.take_announcement().has_value());
-  EXPECT_TRUE(session_.set_size(size, warning));
-  const auto again = session_.take_announcement();
-  ASSERT_TRUE(again.has_value());
-  EXPECT_EQ(again->image_size, size);
-  session_.reset();
-  EXPECT_TRUE(session_.set_size({320, 240}, warning));
-  EXPECT_TRUE(session_.set_size(size, warning));
-  EXPECT_FALSE(session_.take_announcement().has_value());
-}
-
 TEST_F(CalibrationSessions, ThrowAwayWhatWasSolvedForAnotherState) {
   for (const End& end : ends()) {
     SCOPED_TRACE(end.name);

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // What a session makes of the order of frames: those without a board, copies of one, several boards
-// in turn.
+// in turn, those of another size.
 
 #include "session_fixture.hpp"
 
@@ -162,6 +162,31 @@ TEST_F(SessionFrames, ThatGaveNoViewAreToldWithWhy) {
   session_.reset();
   const std::string none = session_.verdict().status.error().message;
   EXPECT_EQ(none.find("A board was seen"), std::string::npos) << none;
+}
+
+// Frames of another size and back: downstream goes on with what was solved of that size, and need
+// not stretch the other one until the views are solved anew.
+TEST_F(SessionFrames, OfAnEarlierSizeHaveWhatWasSolvedOfThem) {
+  begin();
+  constexpr ImageSize size = scenes::kSize;
+  show(4);
+  const auto job = session_.take_solve();
+  ASSERT_TRUE(job.has_value());
+  Solution solution = found(*job, 0.1);
+  solution.calibration.image_size = size;
+  ASSERT_TRUE(session_.solved(*job, solution).has_value());
+  EXPECT_TRUE(session_.take_announcement().has_value());
+  std::optional<Error> warning;
+  EXPECT_TRUE(session_.set_size({320, 240}, warning));
+  EXPECT_FALSE(session_.take_announcement().has_value());
+  EXPECT_TRUE(session_.set_size(size, warning));
+  const auto again = session_.take_announcement();
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->image_size, size);
+  session_.reset();
+  EXPECT_TRUE(session_.set_size({320, 240}, warning));
+  EXPECT_TRUE(session_.set_size(size, warning));
+  EXPECT_FALSE(session_.take_announcement().has_value());
 }
 
 }  // namespace

@@ -65,6 +65,13 @@ std::vector<View> session(const Camera& camera, const Fault& fault, Random& rand
   return views;
 }
 
+// In the whole picture, and where corners were seen.
+Result<Difference> apart_from(const Camera& truth, const Calibration& found) {
+  DifferenceOptions where;
+  where.focus = {found.covered};
+  return difference(Camera::make(found).value(), truth, where);
+}
+
 class Promise : public ::testing::TestWithParam<Fault> {};
 INSTANTIATE_TEST_SUITE_P(Kept, Promise,
                          ::testing::Values(Fault{"nothing", "brown5"},
@@ -89,9 +96,7 @@ TEST_P(Promise, IsKeptAndNoLargerThanItHasToBe) {
     const auto solution = solve(session(camera, GetParam(), random), camera.image_size(), options);
     ASSERT_TRUE(solution) << solution.error().message;
     const Calibration& c = solution->calibration;
-    DifferenceOptions where;
-    where.focus = {c.covered};
-    const auto apart = difference(Camera::make(c).value(), camera, where);
+    const auto apart = apart_from(camera, c);
     ASSERT_TRUE(apart && c.expected_error);
     kept += apart->focus.max <= 2 * *c.expected_error ? 1 : 0;
     kept_anywhere += apart->image.max <= 2 * *c.expected_error_anywhere ? 1 : 0;
@@ -125,9 +130,7 @@ TEST(PromiseOfAPoorModel, HoldsWhatItsLensLacks) {
     const auto solution = solve(views, camera.image_size(), options);
     ASSERT_TRUE(solution) << solution.error().message;
     const Calibration& c = solution->calibration;
-    DifferenceOptions where;
-    where.focus = {c.covered};
-    const auto apart = difference(Camera::make(c).value(), camera, where);
+    const auto apart = apart_from(camera, c);
     ASSERT_TRUE(apart && c.expected_error);
     const bool both = apart->focus.max <= 2 * *c.expected_error &&
                       apart->image.max <= 2 * *c.expected_error_anywhere;

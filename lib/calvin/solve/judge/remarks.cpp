@@ -146,8 +146,8 @@ std::string board_finding(const Misfit& misfit, const FitDiagnostics& diagnostic
         "{:.2g} px{}. See that its sides, gaps and numbers are those of the text.",
         misfit.board_residual, as);
   }
-  // What views agree on is out of the plane.
-  if (!(diagnostics.board_variance > 0)) return fmt::format("The board is not flat{}.", as);
+  // What views agree on is in the plane of the board, or else out of it.
+  if (!(diagnostics.board_variance > 0)) return "The board is not flat.";
   return fmt::format("The corners of the board are {:.2g} mm from where they were printed{}.",
                      1e3 * std::sqrt(diagnostics.board_variance), as);
 }
