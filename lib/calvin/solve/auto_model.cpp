@@ -31,7 +31,7 @@ namespace {
 constexpr double kGain = 2;
 
 // Models whose corners held out are so many times as far off as those of the best are as good.
-constexpr double kAsGood = 1.03;
+constexpr double kAsPredictive = 1.03;
 
 struct Trial {
   std::string model;
@@ -161,7 +161,7 @@ std::vector<std::size_t> as_good_as_any(const std::vector<Trial>& trials) {
   for (const Trial& trial : trials) least = std::min(least, held_out_rms(trial));
   std::vector<std::size_t> good;
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    if (held_out_rms(trials[i]) <= kAsGood * least) good.push_back(i);
+    if (held_out_rms(trials[i]) <= kAsPredictive * least) good.push_back(i);
   }
   return good;
 }
@@ -292,7 +292,7 @@ const Trial* better_than(const Trial& own, const std::vector<Trial>& others) {
       better, {}, [](const Trial* trial) { return held_out_rms(*trial); });
   if (!find_lens(best.model)->perspective) return &best;
   return *std::ranges::find_if(better, [&best](const Trial* trial) {
-    return held_out_rms(*trial) <= kAsGood * held_out_rms(best);
+    return held_out_rms(*trial) <= kAsPredictive * held_out_rms(best);
   });
 }
 
