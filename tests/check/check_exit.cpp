@@ -3,9 +3,11 @@
 
 // Programs that end, or fork, while elements are at work: they end with the status that they give.
 
+#include <execinfo.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <functional>
 #include <mutex>
@@ -207,9 +209,10 @@ GST_START_TEST(test_it_ends_with_its_status) {
   const char* name = kPrograms[__i__].name;
   const char* const arguments[] = {"/proc/self/exe", name, nullptr};
   int status = -1;
+  g_autofree char* told = nullptr;
   fail_unless(g_spawn_sync(nullptr, const_cast<char**>(arguments), nullptr, G_SPAWN_DEFAULT,
-                           nullptr, nullptr, nullptr, nullptr, &status, nullptr));
-  fail_if(WIFSIGNALED(status), "%s: signal %d", name, WTERMSIG(status));
+                           nullptr, nullptr, nullptr, &told, &status, nullptr));
+  fail_if(WIFSIGNALED(status), "%s: signal %d\n%s", name, WTERMSIG(status), told);
   fail_unless(WEXITSTATUS(status) == 7, "%s: status %d", name, WEXITSTATUS(status));
 }
 GST_END_TEST;
@@ -222,12 +225,25 @@ static Suite* exit_suite() {
   return suite;
 }
 
+// Where a program crashed, before it ends by that signal.
+static void tell_where(int signal) {
+  void* frames[64];
+  backtrace_symbols_fd(frames, backtrace(frames, G_N_ELEMENTS(frames)), STDERR_FILENO);
+  raise(signal);
+}
+
 int main(int argc, char** argv) {
   for (const auto& program : kPrograms) {
     if (argc < 2 || g_strcmp0(argv[1], program.name) != 0) continue;
     alarm(60);
     gst_init(&argc, &argv);
+    struct sigaction action = {};
+    action.sa_handler = tell_where;
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+    sigaction(SIGSEGV, &action, nullptr);
+    sigaction(SIGABRT, &action, nullptr);
     program.run();
+    sleep(5);  // another thread may be ending the program
     _exit(99);
   }
   gst_check_init(&argc, &argv);
