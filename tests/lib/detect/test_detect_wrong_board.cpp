@@ -27,7 +27,7 @@ namespace calvin {
 namespace {
 
 // Columns and rows that are asked for beside those of the board.
-constexpr std::array<std::array<int, 2>, 12> kWrong = {{{1, 0},
+constexpr std::array<std::array<int, 2>, 14> kWrong = {{{1, 0},
                                                         {0, 1},
                                                         {-1, 0},
                                                         {0, -1},
@@ -38,7 +38,9 @@ constexpr std::array<std::array<int, 2>, 12> kWrong = {{{1, 0},
                                                         {2, 0},
                                                         {0, 2},
                                                         {-2, 0},
-                                                        {3, 2}}};
+                                                        {3, 2},
+                                                        {-2, -2},
+                                                        {-3, -1}}};
 
 struct Count {
   int asked = 0;
@@ -53,7 +55,7 @@ struct Count {
   }
 };
 
-// A board and the detectors of twelve others.
+// A board and the detectors of others.
 class WrongBoards {
  public:
   explicit WrongBoards(const Checkerboard& shown) : shown_(shown) {

@@ -250,23 +250,6 @@ std::vector<Relabelling> other_labellings(const Checkerboard& board,
   return others;
 }
 
-// The rows and columns of which more than half of the nodes are there: what stands beyond is stray.
-CellRange dense_extent(const Lattice& lattice) {
-  CellRange e = lattice.extent();
-  for (int side = 0; side < 4;) {
-    const OuterLine line = line_of(e, side);
-    if (line.count <= 0 || length(e, side % 2) <= 0 || 2 * nodes_on(lattice, line) > line.count) {
-      ++side;
-      continue;
-    }
-    Cell& end = side < 2 ? e.last : e.first;
-    const int step = side < 2 ? -1 : 1;
-    end = end + (side % 2 == 0 ? Cell{step, 0} : Cell{0, step});
-    side = 0;
-  }
-  return e;
-}
-
 // A board of another size, its longer side named first where that is so of the board.
 Match wrong_board(const Checkerboard& board, const Lattice& lattice) {
   const CellRange e = dense_extent(lattice);
@@ -329,6 +312,22 @@ bool is_far_larger(const Lattice& lattice, const Checkerboard& board) {
   return lattice.count() > kFar * board.grid().count() &&
          (shorter > std::min(board.cols, board.rows) + 1 ||
           longer > std::max(board.cols, board.rows) + 1);
+}
+
+CellRange dense_extent(const Lattice& lattice) {
+  CellRange e = lattice.extent();
+  for (int side = 0; side < 4;) {
+    const OuterLine line = line_of(e, side);
+    if (line.count <= 0 || length(e, side % 2) <= 0 || 2 * nodes_on(lattice, line) > line.count) {
+      ++side;
+      continue;
+    }
+    Cell& end = side < 2 ? e.last : e.first;
+    const int step = side < 2 ? -1 : 1;
+    end = end + (side % 2 == 0 ? Cell{step, 0} : Cell{0, step});
+    side = 0;
+  }
+  return e;
 }
 
 bool is_size_certain(const ImageView& image, const Lattice& lattice) {

@@ -51,6 +51,9 @@ struct Match {
 // Whether a lattice is so much larger than the board that no stray nodes explain it.
 [[nodiscard]] bool is_far_larger(const Lattice& lattice, const Checkerboard& board);
 
+// The rows and columns of which more than half of the nodes are there: what stands beyond is stray.
+[[nodiscard]] CellRange dense_extent(const Lattice& lattice);
+
 // Whether a lattice has as many rows and columns as its board: nodes nearly everywhere in them, and
 // the pattern ends on all four sides. In px of the image.
 [[nodiscard]] bool is_size_certain(const ImageView& image, const Lattice& lattice);

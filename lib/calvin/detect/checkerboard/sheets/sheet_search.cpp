@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -148,7 +149,12 @@ void SheetSearch::look_at_lattice(int level) {
   if (is_far_larger_than_all()) {
     const Box box = search_.box();
     refinement_.to_image(pyramid_, level, lattice_, false);
-    if (note_other(far_larger_board(), true)) {
+    OtherBoard seen = far_larger_board();
+    if (!seen.certain) {  // as corners that the level does not show may be why
+      complete_in_image(std::numeric_limits<int>::max());
+      seen = far_larger_board();
+    }
+    if (note_other(seen, true)) {
       other_area_.box.add(Pyramid::to_image(box.left, level), Pyramid::to_image(box.top, level));
       other_area_.box.add(Pyramid::to_image(box.right, level),
                           Pyramid::to_image(box.bottom, level));
@@ -198,12 +204,11 @@ bool SheetSearch::is_far_larger_than_all() const {
 
 // Named as the first board that is wanted would name it: with its longer side first, or not.
 OtherBoard SheetSearch::far_larger_board() {
-  const CellRange e = lattice_.extent();
+  const CellRange e = dense_extent(lattice_);
   const Grid& grid = wanted_.front().pattern.grid;
-  const bool certain = is_size_certain(pyramid_.calm_level(0), lattice_);
-  const bool alike = (e.cols() >= e.rows()) == (grid.cols >= grid.rows);
-  return alike ? OtherBoard{e.cols(), e.rows(), certain, ""}
-               : OtherBoard{e.rows(), e.cols(), certain, ""};
+  OtherBoard seen = {e.cols(), e.rows(), is_size_certain(pyramid_.calm_level(0), lattice_), ""};
+  if ((e.cols() >= e.rows()) != (grid.cols >= grid.rows)) std::swap(seen.cols, seen.rows);
+  return seen;
 }
 
 // The board that leaves the least to be excused: a whole one, one whose colours are those of the
