@@ -90,7 +90,8 @@ static=""
 [ ! -e "$plugin.a" ] || try_static_plugin "$source/tests/builds/static_plugin.c"
 [ -e "$plugin.so" ] || [ -e "$plugin.a" ]
 shared=""
-[ -n "$static" ] || shared=$libdir/libcalvin.so
+[ -n "$static" ] || shared="$libdir/libcalvin.so $source/.ci/debian/libcalvin0.symbols"
+# shellcheck disable=SC2086 # two words, or none
 "$source/tests/pipelines/public_names.py" "$source/docs/library.md" "$folder$prefix/include" $shared
 mkdir "$folder/pictures"
 for compiler in g++ clang++; do

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Whether docs/library.md names what is installed: every header, and every name that the shared library
-# exports, no more and no fewer.
-#   public_names.py LIBRARY.md INCLUDE [LIBCALVIN.so]
+# exports, no more and no fewer; and whether the list of symbols of the Debian package does so.
+#   public_names.py LIBRARY.md INCLUDE [LIBCALVIN.so DEBIAN.symbols]
 import pathlib
 import re
 import subprocess
@@ -22,9 +22,9 @@ def rows(heading):
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
 
 
-def compare(what, found, documented):
-    faults.extend(f"{what} {name} is not in {sys.argv[1]}" for name in sorted(found - documented))
-    faults.extend(f"there is no {what} {name}" for name in sorted(documented - found))
+def compare(what, found, documented, where=sys.argv[1]):
+    faults.extend(f"{what} {name} is not in {where}" for name in sorted(found - documented))
+    faults.extend(f"{where}: there is no {what} {name}" for name in sorted(documented - found))
 
 
 def installed_headers():
@@ -54,6 +54,8 @@ if len(sys.argv) > 3:
     symbols = exported(sys.argv[3])
     names = {re.sub(r"\[abi:\w+\]", "", symbol.split("(")[0]) for symbol in symbols}
     compare("name", names, set(documented_names()))
+    packaged = pathlib.Path(sys.argv[4]).read_text()
+    compare("symbol", set(symbols), set(re.findall(r'"(.*)@CALVIN_0"', packaged)), sys.argv[4])
     if len(symbols) > MOST_SYMBOLS:
         faults.append(f"{len(symbols)} symbols are exported, more than {MOST_SYMBOLS}")
 print("\n".join(faults) or f"{len(headers)} headers, as documented.")
