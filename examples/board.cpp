@@ -3,6 +3,7 @@
 
 // Boards from the command line: draw one to true scale, give it a name, list the names of a file,
 // measure the sheet that a name stands for, tell which board a picture shows.
+#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 #include <span>
@@ -17,6 +18,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/draw/board_drawing.hpp"
 #include "calvin/io/board_names.hpp"
+#include "calvin/session/files/calibration_files.hpp"
 
 #include "board_identify.hpp"
 #include "board_measure.hpp"
@@ -142,11 +144,33 @@ int draw(std::span<char*> arguments) {
                   : draw_on_one_page(boards->front(), file, options);
 }
 
+// How many views have measured the board that has this name in a file, where another one is to have
+// it: what they told is then of no board any more.
+std::size_t lost_views(const std::string& file, std::string_view name, std::string_view text) {
+  const auto boards = calvin::list_boards(file);
+  const auto next = calvin::parse_board(text);
+  if (!boards || !next) return 0;
+  const auto known = std::ranges::find(*boards, name, &calvin::NamedBoard::name);
+  if (known == boards->end()) return 0;
+  const auto before = calvin::parse_board(known->text);
+  return before && *before == *next ? 0 : known->measured_by;
+}
+
 int add(std::span<char*> arguments) {
   if (arguments.size() != 3) return wrong_usage("add needs a file, a name and a board.");
-  const auto added = calvin::add_board(arguments[0], arguments[1], arguments[2]);
+  const std::string file = arguments[0];
+  const std::size_t lost = lost_views(file, arguments[1], arguments[2]);
+  if (lost > 0) {
+    if (const auto kept = calvin::keep_copy(file); !kept) return failed(kept.error());
+  }
+  const auto added = calvin::add_board(file, arguments[1], arguments[2]);
   if (!added) return failed(added.error());
-  fmt::print("Use it as board={}#{}\n", arguments[0], arguments[1]);
+  if (lost > 0) {
+    fmt::print(
+        "What {} views had measured of '{}' was of another board: the file as it was is {}\n", lost,
+        arguments[1], calvin::copy_of(file));
+  }
+  fmt::print("Use it as board={}#{}\n", file, arguments[1]);
   return 0;
 }
 
@@ -220,7 +244,7 @@ int run_tool(int argc, char** argv) {
   if (command == "list") return list(arguments.subspan(2));
   if (command == "measure") return measure(arguments.subspan(2));
   if (command == "identify") return identify(arguments.subspan(2));
-  if (command == "--help" || command == "-h") {
+  if (command == "--help") {
     fmt::print("{}", usage());
     return 0;
   }

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/core/file.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/detect/identify.hpp"
 #ifdef BOARD_OPENCV
@@ -24,6 +25,9 @@ inline calvin::Result<bool> identify(const std::string& file, double side) {
 #ifdef BOARD_OPENCV
   const cv::Mat picture = read_picture(file);
   if (picture.empty()) {
+    if (const auto there = calvin::read_file(file); !there) {
+      return tl::unexpected<calvin::Error>(there.error());
+    }
     return calvin::make_error(
         calvin::ErrorCode::kNotFound,
         fmt::format("'{}' is no picture that can be read: give it a PNG or JPEG file.", file));

@@ -161,7 +161,7 @@ inline calvin::Result<bool> measure(const std::string& named, const std::string&
                              ? in_pictures(source, board)
                              : in_observations(source, board);
     if (!cameras) return tl::unexpected<calvin::Error>(cameras.error());
-    if (cameras->empty()) fmt::print("{}: the board is nowhere to be seen\n", source);
+    if (cameras->empty()) fmt::print("{}: {} is nowhere to be seen\n", source, board.text());
     for (const CameraViews& camera : *cameras) learnt = add_camera(camera, model, *known) || learnt;
   }
   if (!learnt) return false;

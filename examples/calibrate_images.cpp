@@ -21,9 +21,11 @@
 #include "calibrate_images_pair.hpp"
 #include "calibrate_images_run.hpp"
 #include "calvin/core/file.hpp"
+#include "calvin/core/text.hpp"
 #include "calvin/detect/board_identifier.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/session/files/calibration_files.hpp"
+#include "calvin/solve/solve.hpp"
 #include "print_calibration.hpp"
 #include "tool_main.hpp"
 
@@ -42,9 +44,11 @@ bool prepare(const Options& options) {
   std::error_code error;
   std::filesystem::create_directory(options.output, error);
   if (!error) {
-    const calvin::Status writable = calvin::check_writable(options.location());
-    const calvin::Status status =
-        writable ? calibrate_images::check_pair(options.output) : writable;
+    calvin::Status status = calvin::check_writable(options.location());
+    if (status) status = calibrate_images::check_pair(options.output);
+    // How they are written was checked before.
+    const auto exports = calvin::parse_calibration_files("", options.exports);
+    if (status && exports) status = calvin::can_write_all(*exports);
     if (!status) fmt::print(stderr, "{}\n", status.error().message);
     return status.has_value();
   }
@@ -59,8 +63,9 @@ bool prepare(const Options& options) {
 Folder choose_pictures(const Options& options) {
   Folder folder = calibrate_images::find_pictures(options.folder, options.leave_out);
   if (folder.pictures.empty()) {
-    fmt::print(stderr, "There is no picture in {} that GStreamer can decode.\n",
-               options.folder.string());
+    fmt::print(stderr, "There is no picture in {} that GStreamer can decode{}.\n",
+               options.folder.string(),
+               options.leave_out.empty() ? "" : ", but for those that --leave-out names");
     return folder;
   }
   calvin::Status status = calibrate_images::keep_one_size(folder.pictures);
@@ -170,17 +175,18 @@ bool parse(int argc, char** argv, Options& options) {
   gboolean one_camera = FALSE;
   gboolean verdict = FALSE;
   double accuracy = 0;
+  // What may name a file is of any bytes, as file names are; GLib asks text to be of the locale.
   const GOptionEntry entries[] = {
-      {"board", 0, 0, G_OPTION_ARG_STRING, &board, "The board in the pictures", "TEXT"},
+      {"board", 0, 0, G_OPTION_ARG_FILENAME, &board, "The board in the pictures", "TEXT"},
       {"model", 0, 0, G_OPTION_ARG_STRING, &model,
        "The camera model (default auto: the one that the pictures ask for; with --fix or "
        "--initial brown5)",
        "NAME"},
       {"fix", 0, 0, G_OPTION_ARG_STRING, &fix, "Parameters that are held or tied", "aspect,k3"},
       {"initial", 0, 0, G_OPTION_ARG_FILENAME, &initial, "A calibration to start from", "FILE"},
-      {"export", 0, 0, G_OPTION_ARG_STRING, &exports,
+      {"export", 0, 0, G_OPTION_ARG_FILENAME, &exports,
        "Further files, as the property export of calibsolve has them", "FORMAT:PATH,..."},
-      {"leave-out", 0, 0, G_OPTION_ARG_STRING_ARRAY, &unwanted,
+      {"leave-out", 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &unwanted,
        "Pictures to leave out; may be given again", "'right*'"},
       {"one-camera", 0, 0, G_OPTION_ARG_NONE, &one_camera,
        "All pictures are of one camera, whatever they are called", nullptr},
@@ -226,15 +232,26 @@ calvin::Status check_board(const std::string& text) {
   return boards ? calvin::Status() : tl::unexpected(boards.error());
 }
 
+// The board, and what the elements take as texts of properties.
+calvin::Status check_texts(const Options& options) {
+  if (calvin::Status board = check_board(options.board); !board) return board;
+  calvin::SolveOptions solve;
+  solve.model = options.model;
+  for (const std::string_view word : calvin::split(options.fix, ',')) {
+    if (!word.empty()) solve.fix.emplace_back(word);
+  }
+  // What is held may be that of a calibration, which the element reads.
+  calvin::Status known = options.initial.empty() ? calvin::check(solve) : calvin::Status();
+  if (!known) return known;
+  const auto exports = calvin::parse_calibration_files("", options.exports);
+  return exports ? calvin::Status() : tl::unexpected(exports.error());
+}
+
 int run_tool(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return kUsage;
-  if (const calvin::Status board = check_board(options.board); !board) {
-    fmt::print(stderr, "{}\n", board.error().message);
-    return kUsage;
-  }
-  if (const auto files = calvin::parse_calibration_files("", options.exports); !files) {
-    fmt::print(stderr, "{}\n", files.error().message);
+  if (const calvin::Status good = check_texts(options); !good) {
+    fmt::print(stderr, "{}\n", good.error().message);
     return kUsage;
   }
   if (!calibrate_images::check_elements() || !prepare(options)) return kFailed;
@@ -248,9 +265,10 @@ int run_tool(int argc, char** argv) {
   const Outcome outcome = calibrate_images::run(pipeline, folder.pictures, options.board);
   gst_object_unref(pipeline);
   print_pictures(folder, outcome);
-  if (!outcome.good || !outcome.calibration) return kFailed;
+  if (!outcome.calibration) return kFailed;
   calvin_tools::print(*outcome.calibration);
   const bool good = print_verdict(options, *outcome.calibration);
+  if (!outcome.good) return kFailed;  // a file was not written, which was said
   const calibrate_images::Picture& shown = first_used(folder, outcome);
   if (!calibrate_images::draw_pair(options, shown.path)) return kFailed;
   fmt::print("camera.json, and {} as before.png and after.png, are in {}\n", shown.name(),

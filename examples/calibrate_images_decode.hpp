@@ -31,12 +31,13 @@ inline bool is_movie(GstElement* pipeline, GstAppSink* sink) {
 
 // The picture in a file as GRAY8, the first where the file is a still picture with others behind it
 // (those of phones have maps of brightness or depth there). An error says why there is none and
-// what to do; a movie is one: which of its frames would be meant is not known.
+// what to do: kUnsupported where it is none at all. A movie is an error, too: which of its frames
+// would be meant is not known.
 inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
   std::string type;
   GstElement* pipeline = decoding::make_decoder(file, type);
   g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "picture");
-  std::string error = decoding::preroll(pipeline);
+  std::string error = decoding::preroll(pipeline, type);
   Sample sample;
   bool movie = false;
   if (error.empty()) {
@@ -48,7 +49,7 @@ inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
   if (movie) {
-    return calvin::make_error(calvin::ErrorCode::kUnsupported,
+    return calvin::make_error(calvin::ErrorCode::kMalformed,
                               "it is a movie: save those of its frames that show the board sharply "
                               "as PNG or JPEG, or take it away.");
   }

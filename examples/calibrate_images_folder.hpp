@@ -37,7 +37,7 @@ struct Picture {
 // The pictures of a folder, by name, with their sizes.
 struct Folder {
   std::vector<Picture> pictures;
-  std::size_t files = 0;  // those that are no pictures too
+  std::size_t files = 0;  // those that were left out, too, but for what is no picture at all
 };
 
 inline void leave_out(const std::filesystem::path& file, const std::string& why) {
@@ -62,7 +62,7 @@ inline calvin::Result<calvin::ImageSize> size_of(const std::filesystem::path& fi
     return fail("this program made it from another picture, in an earlier run.");
   }
   const auto sample = decode(file);
-  if (!sample) return fail(sample.error().message);
+  if (!sample) return tl::unexpected<calvin::Error>(sample.error());
   const GstStructure* caps = gst_caps_get_structure(gst_sample_get_caps(sample->get()), 0);
   calvin::ImageSize size;
   gst_structure_get(caps, "width", G_TYPE_INT, &size.width, "height", G_TYPE_INT, &size.height,
@@ -91,6 +91,9 @@ inline Folder find_pictures(const std::filesystem::path& path,
   if (error) fmt::print(stderr, "{}: {}\n", path.string(), error.message());
   std::sort(files.begin(), files.end());
   folder.files = files.size();
+  const auto is_none = [](const calvin::Error& why) {
+    return why.code == calvin::ErrorCode::kUnsupported;
+  };
   for (const std::filesystem::path& file : files) {
     const std::string name = file.filename().string();
     if (std::any_of(unwanted.begin(), unwanted.end(), [&](const std::string& pattern) {
@@ -101,6 +104,7 @@ inline Folder find_pictures(const std::filesystem::path& path,
       folder.pictures.push_back({file, *size});
     } else {
       leave_out(file, size.error().message);
+      if (is_none(size.error())) --folder.files;
     }
   }
   return folder;

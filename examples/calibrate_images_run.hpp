@@ -170,6 +170,7 @@ inline Outcome run(GstElement* pipeline, const std::vector<Picture>& pictures,
   Outcome outcome;
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  std::string said;  // an ERROR at the end may be what a WARNING was before
   for (bool done = false; !done;) {
     g_autoptr(GstMessage) message = gst_bus_timed_pop(bus, GST_CLOCK_TIME_NONE);
     const GstStructure* s = gst_message_get_structure(message);
@@ -183,11 +184,12 @@ inline Outcome run(GstElement* pipeline, const std::vector<Picture>& pictures,
         break;
       case GST_MESSAGE_WARNING:
         gst_message_parse_warning(message, &error, nullptr);
-        fmt::print(stderr, "{}\n", error->message);
+        said = error->message;
+        fmt::print(stderr, "{}\n", said);
         break;
       case GST_MESSAGE_ERROR:
         gst_message_parse_error(message, &error, nullptr);
-        fmt::print(stderr, "{}\n", error->message);
+        if (said != error->message) fmt::print(stderr, "{}\n", error->message);
         done = true;
         break;
       case GST_MESSAGE_EOS:

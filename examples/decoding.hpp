@@ -65,8 +65,9 @@ inline GstElement* make_decoder(const std::filesystem::path& file, std::string& 
 inline constexpr const char* kText = "text";
 
 // Waits until the sink has a picture, or its stream has ended without one. What went wrong, if
-// anything did.
-inline std::string preroll(GstElement* pipeline) {
+// anything did. `type` is what make_decoder() has noted: parsers, too, call a picture that is cut
+// off of a wrong type.
+inline std::string preroll(GstElement* pipeline, const std::string& type) {
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PAUSED);
   g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
@@ -75,7 +76,9 @@ inline std::string preroll(GstElement* pipeline) {
   if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_ERROR) return "";
   g_autoptr(GError) error = nullptr;
   gst_message_parse_error(message, &error, nullptr);
-  if (g_error_matches(error, GST_STREAM_ERROR, GST_STREAM_ERROR_WRONG_TYPE)) return kText;
+  const bool is_wrong_type =
+      g_error_matches(error, GST_STREAM_ERROR, GST_STREAM_ERROR_WRONG_TYPE) != FALSE;
+  if (is_wrong_type && type.empty()) return kText;
   return error->message;
 }
 

@@ -28,8 +28,9 @@ using export_warp::Warp;
 
 constexpr std::string_view kUsage =
     R"(Usage: calvin-export-warp [OPTIONS] CALIBRATION FORMAT FILE...
-Writes where in the camera's picture each pixel of an undistorted one lies. CALIBRATION is what the
-property of calibundistort takes; FORMAT and the number of files that it needs:
+Writes where in the camera's picture each pixel of an undistorted one lies. CALIBRATION is that of one
+camera, as the property of calibundistort takes it (of a zoom table calvin-zoom --at makes one); FORMAT
+and the number of files that it needs:
 
   dw100       1  vertex map of NXP's DW100 (i.MX8M Plus), binary
   ffmpeg      2  columns and rows for ffmpeg's remap filter, PGM
@@ -226,6 +227,11 @@ int export_all(const Arguments& arguments) {
   if (warp->view.limited) {
     fmt::print(stderr,
                "calvin-export-warp: the view is wider than its projection shows, and limited.\n");
+  }
+  if (!calvin::shows_any(calvin::VirtualCamera(warp->source), warp->view.camera)) {
+    return failed({calvin::ErrorCode::kInvalidArgument,
+                   "The view shows nothing of the camera's picture: look less far aside or up "
+                   "(--pan, --tilt), or set another --zoom."});
   }
   for (std::size_t i = 0; i < arguments.files.size(); ++i) {
     const auto bytes = arguments.format->files[i](*warp);

@@ -280,13 +280,10 @@ int run_jointly(Arguments arguments) {
   for (const calvin::RobotPose& pose : *poses) hands.push_back(pose.base_from_hand);
   const auto solved = calvin::solve_strobl(cameras, hands, options);
   if (!solved) return failed(solved.error());
-  if (const auto written = hand_eye_joint::write(arguments.words[0], arguments.joint, *solved);
-      !written) {
-    return failed(written.error());
-  }
+  const auto written = hand_eye_joint::write(arguments.words[0], arguments.joint, *solved);
   print(solved->hand_eye);
   hand_eye_joint::print(*solved);
-  return 0;
+  return written ? 0 : failed(written.error());
 }
 
 int run(const Arguments& arguments) {
@@ -297,11 +294,9 @@ int run(const Arguments& arguments) {
   const auto solved = calvin::solve_hand_eye({*std::move(calibration), std::move(matched->views)},
                                              matched->poses, arguments.options);
   if (!solved) return failed(solved.error());
-  if (const auto written = calvin::write_hand_eye(arguments.words[0], solved->result); !written) {
-    return failed(written.error());
-  }
+  const auto written = calvin::write_hand_eye(arguments.words[0], solved->result);
   print(solved->result);
-  return 0;
+  return written ? 0 : failed(written.error());
 }
 
 int run_tool(int argc, char** argv) {

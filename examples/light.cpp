@@ -325,11 +325,11 @@ int run(Arguments arguments) {
   auto solved = calvin::solve_light(seen->cameras, arguments.options);
   if (!solved) return failed(solved.error());
   solved->rig.pairing_tolerance = arguments.tolerance;
-  if (const auto written = calvin::write_rig(arguments.words[0], solved->rig); !written) {
-    return failed(written.error());
-  }
+  const auto written = calvin::write_rig(arguments.words[0], solved->rig);
   print(*solved);
-  return rig_export::write_all(solved->rig, arguments.exports) ? 0 : kFailed;
+  const bool exported = rig_export::write_all(solved->rig, arguments.exports);
+  if (!written) return failed(written.error());
+  return exported ? 0 : kFailed;
 }
 
 int run_tool(int argc, char** argv) {

@@ -92,7 +92,8 @@ inline std::string why_not(const Output& output, std::span<const std::string> in
 
 // kInvalidArgument where a result would overwrite an input, another result, or a file that holds
 // something else than such a result; the message has the order of the arguments, which is the first
-// line of `usage`. Pipes and devices take everything.
+// line of `usage`. Pipes and devices take everything. An error, too, where a file could not be
+// written.
 inline calvin::Status check(std::span<const Output> outputs, std::span<const std::string> inputs,
                             std::string_view usage) {
   constexpr std::string_view kHead = "Usage: ";
@@ -100,6 +101,7 @@ inline calvin::Status check(std::span<const Output> outputs, std::span<const std
   if (order.starts_with(kHead)) order.remove_prefix(kHead.size());
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (calvin::is_stream(outputs[i].path)) continue;
+    if (auto writable = calvin::check_writable(outputs[i].path); !writable) return writable;
     const bool is_twice = std::ranges::any_of(outputs.first(i), [&](const Output& other) {
       return calvin::is_same_file(outputs[i].path, other.path);
     });

@@ -315,11 +315,11 @@ int run(const Arguments& arguments) {
   std::string moved =
       calvin::moved_cameras(calvin::views_of_rig(solved->rig, cameras), arguments.options);
   if (!moved.empty()) solved->remarks.push_back(std::move(moved));
-  if (const auto written = calvin::write_rig(arguments.words[0], solved->rig); !written) {
-    return failed(written.error());
-  }
+  const auto written = calvin::write_rig(arguments.words[0], solved->rig);
   print(*solved, arguments.options.intrinsics);
-  return rig_export::write_all(solved->rig, arguments.exports) ? 0 : kFailed;
+  const bool exported = rig_export::write_all(solved->rig, arguments.exports);
+  if (!written) return failed(written.error());
+  return exported ? 0 : kFailed;
 }
 
 int run_tool(int argc, char** argv) {

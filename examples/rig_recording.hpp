@@ -57,7 +57,7 @@ class Video {
     auto detector = calvin::make_detector(boards);
     if (!detector) return tl::unexpected(detector.error());
     std::unique_ptr<Video> video(new Video(path, *std::move(detector)));
-    std::string why = decoding::preroll(video->pipeline_);
+    std::string why = decoding::preroll(video->pipeline_, video->type_);
     if (why.empty()) {
       gst_element_set_state(video->pipeline_, GST_STATE_PLAYING);
       video->next_ = video->pull();

@@ -167,9 +167,11 @@ inline calvin::Status check_clocks(const std::vector<std::string>& sources,
   if (video == sources.end() || pictures == sources.end()) return {};
   return calvin::make_error(
       calvin::ErrorCode::kInvalidArgument,
-      fmt::format("'{}' is a video, and '{}' are pictures, of which nobody knows when they were "
-                  "taken: give videos of all cameras or pictures of all; with --floor any will do.",
-                  *video, *pictures));
+      fmt::format(
+          "'{}' is taken for a video, and '{}' are pictures, of which nobody knows when they "
+          "were taken: give videos of all cameras, or a folder of pictures of each; with "
+          "--floor any will do.",
+          *video, *pictures));
 }
 
 // A lens that is known at another size of the same aspect.

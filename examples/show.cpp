@@ -41,8 +41,7 @@ calvin::Status check_sizes(const calvin::Calibration& a, const calvin::Calibrati
 }
 
 int run_tool(int argc, char** argv) {
-  const bool help =
-      argc == 2 && (std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h");
+  const bool help = argc == 2 && std::string_view(argv[1]) == "--help";
   if (help || argc < 2 || argc > 3) {
     fmt::print(help ? stdout : stderr, "{}", kUsage);
     return help ? 0 : kWrongUsage;

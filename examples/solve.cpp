@@ -291,9 +291,8 @@ int run_par(const Arguments& arguments) {
   if (!calibration) return failed(calibration.error());
   calibration->camera = arguments.options.camera;
   const auto written = calvin::write_calibration(arguments.words.front(), *calibration);
-  if (!written) return failed(written.error());
   calvin_tools::print(*calibration);
-  return 0;
+  return written ? 0 : failed(written.error());
 }
 
 // `views` as they were solved.
@@ -326,12 +325,9 @@ int run(Arguments arguments) {
   const auto solution = calvin::solve_in_runs(views, views.front().observation.image_size,
                                               arguments.options, arguments.runs);
   if (!solution) return failed(solution.error());
-  const auto& file = arguments.words.front();
-  if (const auto written = calvin::write_calibration(file, solution->calibration); !written) {
-    return failed(written.error());
-  }
+  const auto written = calvin::write_calibration(arguments.words.front(), solution->calibration);
   print(arguments, *solution, std::move(views), *named);
-  return 0;
+  return written ? 0 : failed(written.error());
 }
 
 int run_tool(int argc, char** argv) {

@@ -91,10 +91,15 @@ inline calvin::Result<calvin::View> view_of(const std::vector<calvin::PointRow>&
 // A text file of rows: one view.
 inline calvin::Result<NamedView> from_rows(const std::string& path, const RowsOptions& options,
                                            const std::optional<calvin::Board>& points) {
+  if (const auto there = calvin::read_file(path); !there) {
+    return tl::unexpected<calvin::Error>(there.error());
+  }
   if (!options.size) {
-    return calvin::make_error(calvin::ErrorCode::kInvalidArgument,
-                              "Rows of points do not say how large the picture is: give --size, as "
-                              "in --size 640x480.");
+    return calvin::make_error(
+        calvin::ErrorCode::kInvalidArgument,
+        fmt::format("'{}' is taken for rows of points, which do not say how large the picture is: "
+                    "give --size, as in --size 640x480. Pictures go into a folder.",
+                    path));
   }
   calvin::PointRowsFormat format = options.format;
   if (points && format.columns.empty()) {

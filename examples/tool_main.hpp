@@ -4,14 +4,44 @@
 // The tools: how each of them begins and ends.
 #pragma once
 
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "calvin/version.hpp"
+
 namespace calvin_tools {
+
+// What all tools answer alike, by the exit status; nothing where the tool itself is to answer. -h
+// is
+// --help to it. A dash and letters would be taken for a file by tools that have no such options.
+inline std::optional<int> answer(const char* name, int argc, char** argv) {
+  constexpr int kWrongUsage = 2;
+  static char help[] = "--help";
+  const auto is = [&](const char* word) { return argc == 2 && std::string_view(argv[1]) == word; };
+  if (is("--version")) {
+    fmt::print("{} {}\n", name, calvin::library_version());
+    return 0;
+  }
+  if (is("-h")) argv[1] = help;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word.size() < 2 || word[0] != '-' ||
+        std::isalpha(static_cast<unsigned char>(word[1])) == 0) {
+      continue;
+    }
+    fmt::print(stderr, "{}: there is no option '{}': see {} --help. A file of that name is ./{}\n",
+               name, word, name, word);
+    return kWrongUsage;
+  }
+  return std::nullopt;
+}
 
 // The exit status of a tool. What it prints is a result, too: where the standard output does not
 // take it, as a file on a full disk, that is said and is a failure.
@@ -20,7 +50,8 @@ inline int run(const char* name, int (*tool)(int, char**), int argc, char** argv
   int status = kFailed;
   std::error_code lost;
   try {
-    status = tool(argc, argv);
+    const std::optional<int> answered = answer(name, argc, argv);
+    status = answered ? *answered : tool(argc, argv);
   } catch (const std::system_error& error) {  // of fmt, which tells at once what is not buffered
     if (std::ferror(stdout) == 0) throw;
     lost = error.code();

@@ -193,9 +193,8 @@ int make_table(const Arguments& arguments) {
   if (!table) return failed(table.error());
   *table = calvin::with_left_out(*std::move(table));
   const auto written = calvin::write_zoom_table(file, *table);
-  if (!written) return failed(written.error());
   print(*table);
-  return 0;
+  return written ? 0 : failed(written.error());
 }
 
 int write_position(const Arguments& arguments) {

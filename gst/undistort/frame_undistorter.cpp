@@ -69,21 +69,32 @@ void FrameUndistorter::set_frames(const FrameFormat& in, const FrameFormat& out,
   forget();
 }
 
+void FrameUndistorter::tell_of_view(const Undistorter& view, std::vector<Error>& errors) {
+  const auto tell = [&errors](std::string_view text) {
+    errors.push_back({ErrorCode::kInvalidArgument, std::string(text)});
+  };
+  if (view.limited() && !limit_reported_) {
+    tell(
+        fmt::format("The view is wider than its projection can show and is limited: to {} degrees "
+                    "where rectilinear. Set a smaller alpha, a larger zoom or another projection.",
+                    150));
+  }
+  limit_reported_ = view.limited();
+  const bool is_empty = !view.shows_any();
+  if (is_empty && !empty_reported_) {
+    tell(
+        "The view shows nothing of the camera's picture: look less far aside or up (pan, tilt), or "
+        "set another zoom.");
+  }
+  empty_reported_ = is_empty;
+}
+
 void FrameUndistorter::adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors) {
   // The worker may finish what was asked for before what is in use.
   if (built.turn < slot(built.key).turn) return;
   if (built.undistorter) {
     slot(built.key) = {built.key, *built.undistorter, built.turn};
-    const bool limited = (*built.undistorter)->limited();
-    if (limited && !limit_reported_) {
-      errors.push_back(
-          {ErrorCode::kInvalidArgument,
-           fmt::format("The view is wider than its projection can show and is limited: to {} "
-                       "degrees where rectilinear. Set a smaller alpha, a larger zoom or another "
-                       "projection.",
-                       150)});
-    }
-    limit_reported_ = limited;
+    tell_of_view(**built.undistorter, errors);
     return;
   }
   failed_ = built.key;

@@ -87,6 +87,8 @@ class FrameUndistorter {
   void unpack(const GstVideoFrame& in) const;
   void pack(const GstVideoFrame& out) const;
   void adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors);
+  // What the user may not have meant: once, until another view is shown.
+  void tell_of_view(const Undistorter& view, std::vector<Error>& errors);
 
   UndistorterBuilder builder_;
   FrameFormat in_;
@@ -100,6 +102,7 @@ class FrameUndistorter {
   static constexpr std::chrono::milliseconds kQuick{2};
 
   bool limit_reported_ = false;
+  bool empty_reported_ = false;
   Sampling sampling_;
   mutable RowWorkers workers_;
   mutable std::vector<Undistorter::Scratch> scratch_;  // of each worker

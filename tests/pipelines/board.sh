@@ -39,6 +39,12 @@ expect 0 'boards.json#floor' "$board" measure boards.json#floor views.jsonl
 expect 0 'measured by 12 views' "$board" list boards.json
 expect 2 'list takes one file, and 2 are given' "$board" list boards.json extra
 expect 1 'count once' "$board" measure boards.json#floor views.jsonl
+cp boards.json same.json
+expect 0 'Use it as' "$board" add same.json floor checkerboard:9x6:25mm
+[ ! -e same.json~ ] || fail 'a copy of what is the same'
+cp same.json before.json
+expect 0 'What 12 views had measured .* is same.json~' "$board" add same.json floor checkerboard:8x6:25mm
+cmp before.json same.json~ || fail 'the copy is not what was there'
 
 if [ "$can_draw" != draw ]; then
   expect 1 'without Cairo' "$board" draw checkerboard:9x6:25mm board.pdf

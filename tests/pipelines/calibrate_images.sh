@@ -33,6 +33,24 @@ done
 [ ! -e camera.json ] || fail "a file is outside of the folder"
 grep -q '^5 of 5 pictures used' out || fail "no count: $(cat out)"
 
+# File names are of any bytes, in any locale.
+LC_ALL=C "$images" --export 'opencv-xml:new/für.xml' --output new pictures >out 2>&1 || fail "$(cat out)"
+[ -s new/für.xml ] || fail "no export of that name: $(cat out)"
+expect 2 "'lens' is not" "$images" --model lens --output new pictures
+expect 2 'bogus' "$images" --fix bogus --output new pictures
+expect 1 'Cannot write' "$images" --export opencv-xml:none/x.xml --output new pictures
+! grep -q 'corners' out || fail "a folder that is not there is found after the work: $(cat out)"
+# What cannot hold the model that is found takes nothing of the report away.
+status=0
+"$images" --export kalibr:new/chain.yaml --output new pictures >out 2>err || status=$?
+case $status in
+  1) grep -q '^RMS reprojection error' out || fail "no report: $(cat out err)" ;;
+  2) ;; # built without the formats of other programs
+  *) fail "kalibr with brown5 left with $status: $(cat out err)" ;;
+esac
+[ "$(grep -c 'no camera model like' err)" -le 1 ] || fail "said twice: $(cat err)"
+expect 1 'but for those' "$images" --leave-out '*' --output new pictures
+
 # used WORDS: what is said to the user of a folder with more in it; the calibration is made anyway.
 used() {
   rm -rf new
@@ -58,7 +76,7 @@ gst-launch-1.0 -q videotestsrc num-buffers=1 ! video/x-raw,width=640,height=480 
 used 'small.png: left out'
 mkfifo pictures/pipe.png
 used 'pipe.png: left out, it is a device or a FIFO'
-grep -q '^5 of 12 pictures used: 6 left out, 1 without a board' out || fail "counts: $(cat out)"
+grep -q '^5 of 11 pictures used: 5 left out, 1 without a board' out || fail "counts: $(cat out)"
 [ "$(grep -c ': left out' err)" = 7 ] || fail "not each once: $(cat err)"
 grep -q 'blank.png: left out, no board was found' err || fail "no reason: $(cat err)"
 grep -q '^2/6 01.png: 54 corners' out || fail "no progress: $(cat out)"

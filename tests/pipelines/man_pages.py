@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Whether the page of the manual of each tool has what --help of it has: every option, every setting of a
 # text ("big=0.0", of which the page may have another value), and every name of a list "one of a, b, c;" or
-# of columns that rows hold.
+# of columns that rows hold. And whether all tools answer alike what any tool is asked.
 #   man_pages.py MAN PROGRAM...
 import pathlib
 import re
@@ -15,6 +15,24 @@ faults = []
 def shown_by(program):
     run = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=60)
     return run.stdout + run.stderr
+
+
+def answers(program):
+    """What is wrong with the answers to -h, --version and an option that no tool has."""
+    name = pathlib.Path(program).name
+
+    def run(word):
+        return subprocess.run([program, word], capture_output=True, text=True, timeout=60)
+
+    short = run("-h")
+    if short.returncode != 0 or short.stdout + short.stderr != shown_by(program):
+        yield f"{name} -h is not {name} --help"
+    version = run("--version")
+    if version.returncode != 0 or not re.fullmatch(rf"{name} \d+\.\d+\.\d+\n", version.stdout):
+        yield f"{name} --version says {version.stdout!r}"
+    wrong = run("-x")
+    if wrong.returncode != 2 or "'-x'" not in wrong.stderr:
+        yield f"{name} -x ends with {wrong.returncode}: {wrong.stderr!r}"
 
 
 def text_of(page):
@@ -44,6 +62,7 @@ def main():
         text = text_of(page)
         wanted = dict(expected(shown_by(program)))
         looked_for += len(wanted)
+        faults.extend(answers(program))
         faults.extend(
             f"{page.name} lacks {shown}, which --help has"
             for pattern, shown in sorted(wanted.items())

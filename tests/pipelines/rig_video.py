@@ -173,7 +173,7 @@ def still_board():
     print("on the floor:", distance, "of", wanted)
     if abs(distance - wanted) > 0.003:
         failed.append(f"cameras over one board are {distance} m apart, not {wanted}")
-    run("rig.json", "left.json", "left.avi", "right.json", "pictures", code=1, says=["'left.avi' is a video", "--floor"])
+    run("rig.json", "left.json", "left.avi", "right.json", "pictures", code=1, says=["'left.avi' is taken for a video", "--floor"])
 
 
 Gst.init(None)

@@ -176,6 +176,13 @@ Status LineReader::read(std::string_view line, bool first, std::size_t start) {
   return {};
 }
 
+// What else a file is whose first line is no header; empty where nobody knows.
+std::string other_kind(std::string_view content) {
+  const auto whole = io::parse_json(content);
+  const Node* format = whole ? whole->find("format") : nullptr;
+  return format == nullptr ? "" : fmt::format("its 'format' is '{}'", format->text);
+}
+
 }  // namespace
 
 Result<ObservationFile> parse_observations(std::string_view content, std::string_view name) {
@@ -189,7 +196,8 @@ Result<ObservationFile> parse_observations(std::string_view content, std::string
     ++number;
     if (number == 1 || !line.empty()) {
       if (const Status status = reader.read(line, number == 1, file.whole_bytes); !status) {
-        const std::string& why = status.error().message;
+        std::string why = number == 1 ? other_kind(content) : "";
+        if (why.empty()) why = status.error().message;
         return make_error(status.error().code,
                           fmt::format("'{}' cannot be used as observations: line {}: {}{} Give a "
                                       "file of observations as calvin writes them, or take this "

@@ -62,6 +62,8 @@ class Undistorter {
   [[nodiscard]] std::optional<Camera> output_model() const { return output_.model(); }
   // The view is not as wide as was asked for: its projection cannot show more.
   [[nodiscard]] bool limited() const noexcept { return limited_; }
+  // The output has something of the source.
+  [[nodiscard]] bool shows_any() const noexcept { return calvin::shows_any(source_, output_); }
   [[nodiscard]] std::size_t planes() const noexcept {
     return planes_.back().first + planes_.back().count;
   }

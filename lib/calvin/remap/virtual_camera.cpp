@@ -41,4 +41,21 @@ std::optional<Pixel> transfer(const VirtualCamera& from, const VirtualCamera& to
   return ray ? to.project(*ray) : std::nullopt;
 }
 
+bool shows_any(const VirtualCamera& from, const VirtualCamera& to) noexcept {
+  constexpr int kPlaces = 32;  // along each side
+  const ImageSize seen = from.image_size();
+  const ImageSize shown = to.image_size();
+  for (int i = 0; i <= kPlaces; ++i) {
+    for (int k = 0; k <= kPlaces; ++k) {
+      const auto at = transfer(
+          to, from, {(shown.width - 1.0) * k / kPlaces, (shown.height - 1.0) * i / kPlaces});
+      if (at && at->u > -0.5 && at->v > -0.5 && at->u < seen.width - 0.5 &&
+          at->v < seen.height - 0.5) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace calvin

@@ -45,4 +45,7 @@ class VirtualCamera {
 [[nodiscard]] std::optional<Pixel> transfer(const VirtualCamera& from, const VirtualCamera& to,
                                             Pixel pixel) noexcept;
 
+// Whether a picture of `to` has anything of one of `from`: looked for at places all over it.
+[[nodiscard]] bool shows_any(const VirtualCamera& from, const VirtualCamera& to) noexcept;
+
 }  // namespace calvin
