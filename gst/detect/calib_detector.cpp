@@ -381,7 +381,7 @@ void CalibDetector::report(const Job& job, const Seen& seen, guint64 latency_us,
 void CalibDetector::recheck(const Job& job, const View& view, int place,
                             const std::stop_token& stop) {
   std::vector<Error> warnings;
-  GstStructure* checked = job.check->check(view, job.times, warnings);
+  GstStructure* checked = job.check->check(view, place, job.times, warnings);
   for (const Error& error : warnings) {
     if (const auto report = worker_.begin_report(stop, element_)) post_warning(element_, error);
   }

@@ -17,7 +17,7 @@ namespace calvin::gst {
 
 void CalibrationCheck::fit(ImageSize size, std::vector<Error>& warnings) {
   if (std::exchange(size_, size) == size) return;
-  recheck_.reset();
+  watch_.reset();
   const auto fitted = fit_to_frame(calibration_, size);
   if (!fitted) {
     warnings.push_back(fitted.error());
@@ -31,14 +31,14 @@ void CalibrationCheck::fit(ImageSize size, std::vector<Error>& warnings) {
                      calibration_.image_size.width, calibration_.image_size.height, size.width,
                      size.height)});
   }
-  recheck_.emplace(fitted->camera, calibration_);
+  watch_.emplace(fitted->camera, calibration_);
 }
 
-GstStructure* CalibrationCheck::check(const View& view, const FrameTimes& times,
+GstStructure* CalibrationCheck::check(const View& view, int place, const FrameTimes& times,
                                       std::vector<Error>& warnings) {
   fit(view.observation.image_size, warnings);
-  if (!recheck_) return nullptr;
-  const auto report = recheck_->add(view);
+  if (!watch_) return nullptr;
+  const auto report = watch_->add(view, place);
   if (!report) return nullptr;
   GstStructure* s = new_message("calib-check", times, view.observation.camera);
   gst_structure_set(s, "board", G_TYPE_STRING, view.observation.board.c_str(), "points", G_TYPE_INT,

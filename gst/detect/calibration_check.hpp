@@ -11,7 +11,7 @@
 #include <gst/gst.h>
 
 #include "calvin/core/calibration.hpp"
-#include "calvin/solve/recheck.hpp"
+#include "calvin/session/watch/calibration_watch.hpp"
 #include "common/messages.hpp"
 
 namespace calvin::gst {
@@ -21,9 +21,9 @@ class CalibrationCheck {
  public:
   explicit CalibrationCheck(Calibration calibration) : calibration_(std::move(calibration)) {}
 
-  // The message `calib-check` for a board that was found, nullptr where it says nothing. What the
-  // user should hear beside it is added to `warnings`.
-  [[nodiscard]] GstStructure* check(const View& view, const FrameTimes& times,
+  // The message `calib-check` for a board that was found at that place of the frame's boards,
+  // nullptr where it says nothing. What the user should hear beside it is added to `warnings`.
+  [[nodiscard]] GstStructure* check(const View& view, int place, const FrameTimes& times,
                                     std::vector<Error>& warnings);
 
  private:
@@ -32,7 +32,7 @@ class CalibrationCheck {
 
   Calibration calibration_;
   ImageSize size_;
-  std::optional<Recheck> recheck_;
+  std::optional<CalibrationWatch> watch_;
 };
 
 }  // namespace calvin::gst

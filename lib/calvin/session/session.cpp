@@ -15,25 +15,20 @@
 #include <fmt/format.h>
 
 #include "calvin/geometry/convex_hull.hpp"
-#include "calvin/session/views/corner_motion.hpp"
 
 namespace calvin {
 
 namespace {
 
 constexpr std::size_t kFewestCorners = 6;
-constexpr double kStill = 0.1;  // px while a frame is read out
-// s, between frames: over a longer time no hand moves evenly, and two stills tell nothing of what
-// a board did while one was read.
-constexpr double kFarApart = 0.12;
-constexpr double kSharp = 0.0015;        // of the image diagonal, 1 sigma of the edges
-constexpr double kSharpEnough = 2;       // px
-constexpr double kSmallest = 0.01;       // of the image's area
-constexpr double kNewPosition = 0.08;    // of the image diagonal
-constexpr double kNewShape = 0.025;      // of the board's size in the image
-constexpr double kSameSheet = 0.5;       // of the board's size in the image, between two frames
-constexpr std::size_t kMostSheets = 16;  // of a board that are remembered
-constexpr std::size_t kMostTexts = 16;   // by their texts, likewise
+constexpr double kStill = 0.1;                      // px while a frame is read out
+constexpr double kSharp = 0.0015;                   // of the image diagonal, 1 sigma of the edges
+constexpr double kSharpEnough = 2;                  // px
+constexpr double kSmallest = 0.01;                  // of the image's area
+constexpr double kNewPosition = 0.08;               // of the image diagonal
+constexpr double kNewShape = 0.025;                 // of the board's size in the image
+constexpr std::size_t kMostSheets = 16;             // of a board that are remembered
+constexpr std::size_t kMostTexts = 16;              // by their texts, likewise
 constexpr std::uint64_t kRestless = 2'200'000'000;  // ns, longer than a board is on its way
 constexpr std::size_t kMostTimes = 16;              // between frames, likewise
 
@@ -104,7 +99,9 @@ Reason Session::judge(const View& view, Recent& r, ViewWorth worth) {
   };
   if (std::ranges::any_of(views_, is_copy)) return Reason::kTooSimilar;
   const bool mend = velocities && is_significant(*velocities);
-  return keep(std::make_shared<const View>(mend ? moving(view, *velocities) : view), place);
+  return keep(
+      std::make_shared<const View>(mend ? moving(view, *velocities, longest_readout()) : view),
+      place);
 }
 
 std::optional<std::size_t> Session::place_of(const View* view) const {
@@ -149,32 +146,14 @@ Reason Session::usable(const View& view) const {
   return Reason::kAccepted;
 }
 
-std::optional<CornerVelocities> Session::velocities_of(Sighting& now, const Sighting& before) {
-  // A hand that trembles may move evenly for a moment by chance.
-  constexpr double kRemembered = 0.9;  // of what was uneven a frame before
-  now.before = before.seen;
-  now.motion = before.motion;
-  if (now.motion) now.motion->uneven *= kRemembered;
-  if (!before.before || seconds_between(*before.before, before.seen) > kFarApart ||
-      seconds_between(before.seen, now.seen) > kFarApart) {
-    return std::nullopt;
-  }
-  auto velocities = corner_velocities(*before.before, before.seen, now.seen);
-  if (!velocities) return std::nullopt;
-  const double uneven =
-      std::max(uneven_motion(*velocities, before.motion), now.motion ? now.motion->uneven : 0);
-  now.motion = SteadyMotion{velocities->change, uneven};
-  velocities->sigma = std::hypot(velocities->sigma, uneven);
-  return velocities;
-}
-
 Session::Pace Session::pace_of(const Observation& seen, const Observation* before,
                                const std::optional<CornerVelocities>& velocities) const {
   if (before == nullptr || before->image_size != seen.image_size) return Pace::kUnknown;
   const CornerMotion moved = corner_motion(*before, seen);
   if (moved.shared < kFewestCorners) return Pace::kUnknown;
   if (readout_share(*before, seen) * moved.all <= kStill) return Pace::kStill;
-  const bool steady = velocities && left_of_motion(seen, velocities->sigma) <= kStill;
+  const bool steady =
+      velocities && left_of_motion(seen, velocities->sigma, longest_readout()) <= kStill;
   return steady ? Pace::kSteady : Pace::kUnknown;
 }
 
@@ -234,28 +213,6 @@ double Session::readout_share(const Observation& before, const Observation& now)
   return between > 0 && readout > 0 ? readout / between : 1;
 }
 
-double Session::left_of_motion(const Observation& seen, double sigma) const {
-  double squares = 0;
-  for (const Pixel& at : seen.uv) {
-    const double left =
-        calvin::left_of_motion(sigma, longest_readout(), at.v, seen.image_size.height);
-    squares += left * left / static_cast<double>(seen.uv.size());
-  }
-  return std::sqrt(squares);
-}
-
-View Session::moving(View view, const CornerVelocities& velocities) const {
-  Observation& seen = view.observation;
-  seen.velocity = velocities.of;
-  for (std::size_t i = 0; i < seen.sigma.size() && i < seen.uv.size(); ++i) {
-    if (!is_known_sigma(seen.sigma[i])) continue;
-    seen.sigma[i] =
-        std::hypot(seen.sigma[i], calvin::left_of_motion(velocities.sigma, longest_readout(),
-                                                         seen.uv[i].v, seen.image_size.height));
-  }
-  return view;
-}
-
 Session::Recent& Session::recent(const std::string& board) {
   const auto it = std::ranges::find(recent_, board, &Recent::board);
   if (it != recent_.end()) return *it;
@@ -285,7 +242,7 @@ void Session::begin_frame(const Observation& seen) {
   r.frame = seen.timestamp;
 }
 
-std::optional<Session::Sighting> Session::take_previous(const Observation& now) {
+std::optional<Sighting> Session::take_previous(const Observation& now) {
   std::vector<Sighting>& before = recent(now.board).before;
   auto nearest = before.end();
   double least = 0;

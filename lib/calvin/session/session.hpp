@@ -18,7 +18,7 @@
 #include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/guidance/view_coverage.hpp"
 #include "calvin/session/progress.hpp"
-#include "calvin/session/views/corner_motion.hpp"
+#include "calvin/session/views/sighting.hpp"
 #include "calvin/session/views/view_spacing.hpp"
 #include "calvin/solve/solve.hpp"
 
@@ -121,15 +121,6 @@ class Session {
 
  private:
   [[nodiscard]] Reason usable(const View& view) const;
-  // An observation, and that of the same sheet in the frame before.
-  struct Sighting {
-    Observation seen;
-    std::optional<Observation> before;
-    std::optional<SteadyMotion> motion;
-  };
-  // The velocities of the corners of a sheet that was seen a frame before. Joins `now` to it.
-  [[nodiscard]] static std::optional<CornerVelocities> velocities_of(Sighting& now,
-                                                                     const Sighting& before);
   // How a board moves: so little that it stands still for a readout, so evenly that its velocities
   // tell where it was, or in a way that nobody knows.
   enum class Pace { kStill, kSteady, kUnknown };
@@ -155,10 +146,6 @@ class Session {
   [[nodiscard]] double longest_readout() const;  // s; 0: not known
   // The part of the time between two observations that a readout takes.
   [[nodiscard]] double readout_share(const Observation& before, const Observation& now) const;
-  // What velocities that are wrong by `sigma` px/s leave of the motion, px, RMS over the corners.
-  [[nodiscard]] double left_of_motion(const Observation& seen, double sigma) const;
-  // The view with the velocities of its corners.
-  [[nodiscard]] View moving(View view, const CornerVelocities& velocities) const;
 
   SessionOptions options_;
   Views views_;

@@ -109,6 +109,11 @@ std::optional<BundleProblem::Reduced> equations_of(const PointSet& view, const C
   return reduced;
 }
 
+// Whether a displacement matters and is of more than so many sigma.
+bool is_certain(const RecheckReport& report, double sigmas) {
+  return report.displacement > std::max(sigmas * report.displacement_sigma, kLeast);
+}
+
 // One more unknown, which no other depends on.
 void append(Eigen::MatrixXd& matrix, double diagonal) {
   const Eigen::Index n = matrix.rows();
@@ -199,6 +204,7 @@ void Recheck::keep(Condensed view) {
     return close;
   });
   if (same != views_.end()) {
+    view.corners = std::move(same->corners);  // a board that moves on leaves views behind it
     views_.erase(same);
   } else if (views_.size() == kMostViews) {
     views_.erase(views_.begin());
@@ -293,8 +299,9 @@ void Recheck::judge(const Step& step, const PlacedGrid& region, RecheckReport& r
   const bool beyond_chance =
       !(degrees > 0) || ChiSquare{found / mean * degrees, degrees}.deviations() > kSigmas;
   const bool moved = std::isfinite(farthest) && farthest > kSigmas * sigma && beyond_chance;
+  report.region_sigma = std::sqrt(std::max(most, 0.0));
   report.displacement = moved ? farthest : 0;
-  report.displacement_sigma = moved ? sigma : std::sqrt(std::max(most, 0.0));
+  report.displacement_sigma = moved ? sigma : report.region_sigma;
 }
 
 void Recheck::judge(RecheckReport& report) const {
@@ -307,7 +314,8 @@ void Recheck::judge(RecheckReport& report) const {
 }
 
 std::string advice(const RecheckReport& report) {
-  if (!(report.displacement > 0)) return "";
+  constexpr double kCertain = 4;  // sigma: it is asked at every frame
+  if (!is_certain(report, kCertain)) return "";
   return fmt::format(
       "The lens has moved: the picture is off by {:.2g} +- {:.1g} px where the board was seen. "
       "Calibrate the camera again.",
@@ -318,10 +326,9 @@ std::optional<RecheckReport> proved_displacement(const Camera& camera,
                                                  const Calibration& calibration,
                                                  std::span<const View> views,
                                                  std::optional<ReadoutTime> readout) {
-  constexpr double kCertain = 3;  // sigma
   const RecheckReport report = Recheck(camera, calibration, readout).add(views);
-  const double least = std::max(kCertain * report.displacement_sigma, kLeast);
-  return report.displacement > least ? std::optional(report) : std::nullopt;
+  constexpr double kCertain = 3;  // sigma
+  return is_certain(report, kCertain) ? std::optional(report) : std::nullopt;
 }
 
 void judge_held_camera(Solution& solution, std::span<const View> views,

@@ -30,10 +30,12 @@ struct RecheckReport {
   // and the second that of the worst place where boards were seen.
   double displacement = 0;
   double displacement_sigma = 0;
+  double region_sigma =
+      0;  // px, 1 sigma of a displacement at the worst place where boards were seen
   int points = 0;
 };
 
-// What to tell the user; empty where nothing has moved.
+// What to tell the user; empty where nothing has moved by more than 4 sigma and .3 px.
 [[nodiscard]] std::string advice(const RecheckReport& report);
 
 // Each view gets the pose that fits it best; the camera stays as it is. The residuals are reduced
