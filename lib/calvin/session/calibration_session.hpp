@@ -254,6 +254,8 @@ class CalibrationSession {
   void begin_session();
   // Keeps the views of frames of another size, and takes up those of `size`.
   void change_views(ImageSize size);
+  // At the end: the size with the most views that were kept goes on, where these suffice.
+  void take_up_others();
   [[nodiscard]] std::optional<Calibration> calibration_of(ImageSize size);
   // After other options, or other points: what they ask for.
   void weigh_points();

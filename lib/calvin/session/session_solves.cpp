@@ -137,6 +137,7 @@ void CalibrationSession::resume() {
 }
 
 LastWork CalibrationSession::end_of_stream() {
+  if (!enough_views()) take_up_others();
   if (final_revision_ != revision_ && enough_views()) {
     ask(true);
     return LastWork::kSolve;

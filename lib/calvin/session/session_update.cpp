@@ -139,6 +139,18 @@ void CalibrationSession::change_views(ImageSize size) {
   if (auto notice = other_frames(size, taken_up, set_aside_)) say_later(*std::move(notice));
 }
 
+void CalibrationSession::take_up_others() {
+  const auto size_of = [](const auto& view) { return view->observation.image_size; };
+  const auto count = [&](ImageSize size) { return std::ranges::count(set_aside_, size, size_of); };
+  const auto most = std::ranges::max_element(
+      set_aside_, [&](ImageSize a, ImageSize b) { return count(a) < count(b); }, size_of);
+  const auto needed = static_cast<std::ptrdiff_t>(least_views());
+  if (most == set_aside_.end() || count(size_of(*most)) < needed) return;
+  std::optional<Error> warning;
+  if (!set_size(size_of(*most), warning)) return;
+  if (warning) say_later({Notice::Kind::kWarning, *std::move(warning)});
+}
+
 // What was published of frames of that size; what was of the size before is kept.
 std::optional<Calibration> CalibrationSession::calibration_of(ImageSize size) {
   constexpr std::size_t kMost = 8;  // sizes

@@ -76,7 +76,8 @@ TEST_F(FilesOfSessions, KeepWhatIsBetterAndNotContradicted) {
       {0.2, "left", false, true, false, "took its place"},
       {0.2, "right", false, false, false, "took its place"},
       {0.3, "left", false, false, false, ""},
-      {0.29, "left", false, false, false, "took its place"},  // which is as good
+      {0.29, "left", false, false, false, ""},  // which is as good
+      {0.3, "right", false, false, false, "a file of its own"},
   };
   for (const Case& c : kCases) {
     SCOPED_TRACE(fmt::format("{} {} {} {}", c.before, c.camera, c.contradicted, c.overwrite));

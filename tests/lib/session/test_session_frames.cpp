@@ -189,5 +189,29 @@ TEST_F(SessionFrames, OfAnEarlierSizeHaveWhatWasSolvedOfThem) {
   EXPECT_FALSE(session_.take_announcement().has_value());
 }
 
+// A glimpse of frames of another size before the end loses nothing of what was seen before.
+TEST_F(SessionFrames, OfAnEarlierSizeCountAtTheEndWhereTheLastAreTooFew) {
+  begin();
+  show(4);
+  std::optional<Error> warning;
+  EXPECT_TRUE(session_.set_size({320, 240}, warning));
+  EXPECT_EQ(session_.end_of_stream(), LastWork::kSolve);
+  const auto job = session_.take_solve();
+  ASSERT_TRUE(job.has_value());
+  EXPECT_TRUE(job->final);
+  EXPECT_EQ(job->size, scenes::kSize);
+  EXPECT_EQ(job->views.size(), 4u);
+}
+
+// As few as the last ones are no reason to go back.
+TEST_F(SessionFrames, OfAnEarlierSizeThatAreTooFewWait) {
+  begin();
+  show(2);
+  std::optional<Error> warning;
+  EXPECT_TRUE(session_.set_size({320, 240}, warning));
+  EXPECT_EQ(session_.end_of_stream(), LastWork::kNone);
+  EXPECT_FALSE(session_.verdict().status.has_value());
+}
+
 }  // namespace
 }  // namespace calvin

@@ -28,7 +28,6 @@ bool may_replace(const Calibration& now, std::span<const Calibration> others) {
 }
 
 bool is_better_of_same(const Calibration& before, const Calibration& now) {
-  constexpr double kAsGood = 1.05;
   const auto moved = [](const std::optional<double>& one, const std::optional<double>& other) {
     return one && other && *one != *other;
   };

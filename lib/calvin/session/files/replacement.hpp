@@ -11,6 +11,9 @@
 
 namespace calvin {
 
+// Times as large: two solves of as good views differ by no more.
+inline constexpr double kAsGood = 1.05;
+
 // The figure by which calibrations of different views are compared: the expected error anywhere in
 // the picture, px. The one where corners were seen would prefer those that saw little of it.
 [[nodiscard]] std::optional<double> compared_error(const Calibration& calibration);

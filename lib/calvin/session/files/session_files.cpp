@@ -34,7 +34,7 @@ bool is_better(const Calibration& one, const Calibration& other) {
   const auto error = compared_error(one);
   const auto of_other = compared_error(other);
   if (!error || !of_other) return error.has_value();
-  return *error * other.image_size.width < *of_other * one.image_size.width;
+  return kAsGood * *error * other.image_size.width < *of_other * one.image_size.width;
 }
 
 KeptCopy keep_calibration(const std::string& path, const Calibration& before) {
@@ -50,7 +50,8 @@ KeptCopy keep_calibration(const std::string& path, const Calibration& before) {
   return {std::move(kept), std::move(where)};
 }
 
-// A word for the user where the calibration before was better by its own figures.
+// A word for the user where the calibration before was of another camera, as where two elements
+// name one file, or better by its own figures.
 std::optional<Error> lost_by(const std::string& path, const Calibration& before,
                              const Calibration& now, const KeptCopy& kept) {
   if (!compared_error(before)) {
@@ -60,9 +61,16 @@ std::optional<Error> lost_by(const std::string& path, const Calibration& before,
                              "the place of. {}",
                              path, kept.where)};
   }
-  if (!is_better(before, now)) return std::nullopt;
   std::string whose;
   if (before.camera != now.camera) whose += fmt::format(" of the camera '{}'", before.camera);
+  if (!is_better(before, now)) {
+    if (before.camera == now.camera || before.camera.empty()) return std::nullopt;
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("'{}' held a calibration{}, which that of '{}' took the place of: give "
+                    "each camera a file of its own. {}",
+                    path, whose, now.camera, kept.where)};
+  }
   if (before.image_size != now.image_size) {
     whose += fmt::format(" of {}x{} pictures", before.image_size.width, before.image_size.height);
   }
