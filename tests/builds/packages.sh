@@ -34,7 +34,8 @@ python3 tests/pipelines/doc_lines.py docs/how-to-calibrate.md "$source" /nowhere
 c++ -std=c++20 /usr/share/doc/libcalvin-dev/examples/calibrate.cpp -o /tmp/calibrate \
   $(pkg-config --cflags --libs calvin opencv4)
 for page in /usr/share/man/man1/calvin-*; do test -s "$page"; done
-for element in calibrate calibdetect calibsolve caliboverlay calibundistort calibtestsrc; do
+for element in calibrate calibdetect calibsolve caliboverlay calibundistort calibrig calibview \
+  calibtestsrc; do
   gst-inspect-1.0 "$element" >/dev/null
 done
 
