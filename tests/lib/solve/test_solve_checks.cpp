@@ -9,6 +9,7 @@
 #include <map>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calvin/solve/difference.hpp"
@@ -158,6 +159,26 @@ TEST(Checks, TwoBoardsAreJudgedEachByItself) {
 TEST(Checks, ALensThatIsRicherThanTheModelIsFlagged) {
   std::map<std::string, int> causes;
   EXPECT_GE(flagged("brown5", "pinhole", {}, true, &causes), fewest_found());
+}
+
+// Neither a richer model nor a better board helps where a wrong number is held.
+TEST(Checks, AWrongValueThatIsHeldIsNamed) {
+  int named = 0;
+  constexpr int kSessions = 10;
+  for (int seed = 0; seed < kSessions; ++seed) {
+    Random random(seed);
+    const Camera camera = scenes::random_camera("brown4", random);
+    SolveOptions options;
+    options.model = "brown4";
+    options.fix = {fmt::format("fx={:.1f}", 1.03 * camera.fx()), "k1"};
+    const auto solution = solve(session(camera, {}, random), camera.image_size(), options);
+    ASSERT_TRUE(solution);
+    EXPECT_EQ(solution->misfit.cause, Misfit::Cause::kModel) << seed;
+    const auto& remarks = solution->calibration.remarks;
+    ASSERT_FALSE(remarks.empty());
+    named += remarks.front().find("fix=fx=") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(named, kSessions);
 }
 
 TEST(Checks, ARollingShutterIsFlagged) {

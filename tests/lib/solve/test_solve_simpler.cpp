@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/solve/difference.hpp"
-#include "calvin/solve/simpler_model.hpp"
+#include "calvin/solve/models/simpler_model.hpp"
 #include "scenes.hpp"
 
 namespace calvin {

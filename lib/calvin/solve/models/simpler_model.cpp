@@ -3,7 +3,7 @@
 
 // A model too rich for the views gives way to the richest of its simpler ones.
 
-#include "calvin/solve/simpler_model.hpp"
+#include "calvin/solve/models/simpler_model.hpp"
 
 #include <algorithm>
 #include <cmath>
