@@ -12,7 +12,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/solve/models/auto_model.hpp"
+#include "calvin/solve/auto_model.hpp"
 
 namespace calvin {
 

@@ -3,7 +3,7 @@
 
 // Every sensible model solved for the same corners, compared by the views that are held out.
 
-#include "calvin/solve/models/auto_model.hpp"
+#include "calvin/solve/auto_model.hpp"
 
 #include <algorithm>
 #include <cmath>

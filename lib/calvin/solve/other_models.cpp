@@ -3,7 +3,7 @@
 
 // What a solve finds fault with, and another model does not.
 
-#include "calvin/solve/models/other_models.hpp"
+#include "calvin/solve/other_models.hpp"
 
 #include <algorithm>
 #include <cmath>
