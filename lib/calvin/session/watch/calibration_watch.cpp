@@ -33,7 +33,7 @@ bool is_change(const RecheckReport& report) {
 
 // Whether a board is so far from where it was that these are stills, each of a board at rest.
 bool has_jumped(const CornerMotion& moved, const Observation& seen, double seconds) {
-  constexpr double kFastest = 8;  // of the board's size in the image, each second
+  constexpr double kFastest = 4;  // of the board's size in the image, each second
   const double size = std::sqrt(polygon_area(convex_hull(seen.uv)));
   return moved.shared == 0 || moved.all > kFastest * seconds * size;
 }
@@ -46,7 +46,7 @@ CalibrationWatch::CalibrationWatch(const Camera& camera, const Calibration& cali
       recheck_(camera, calibration, readout_of(camera, calibration)) {}
 
 Result<RecheckReport> CalibrationWatch::add(const View& view, int place) {
-  constexpr int kSteady = 5;  // views
+  constexpr int kSteady = 4;  // views
   const std::optional<View> known = at_rest_or_moving(view, place);
   Recheck alone = recheck_;  // remembers nothing of a view that tells nothing
   auto report = known ? recheck_.add(*known) : alone.add(view);
@@ -74,13 +74,15 @@ std::optional<View> CalibrationWatch::at_rest_or_moving(const View& view, int pl
     before_.emplace(place, std::move(now));
     return std::nullopt;
   }
-  const Sighting before = std::exchange(known->second, {});
+  Sighting before = std::exchange(known->second, {});
   const double between = seconds_between(before.seen, now.seen);
   const CornerMotion moved = corner_motion(before.seen, now.seen);
   const auto velocities = velocities_of(now, before);
   known->second = std::move(now);
   const bool are_stills =
       !(between > 0) || between > kFarApart || has_jumped(moved, view.observation, between);
+  // The first of several stills was one, too.
+  if (are_stills && !before.before) (void)recheck_.add({std::move(before.seen), view.board});
   if (are_stills || longest_readout_ / between * moved.all <= kAtRest) return view;
   if (!velocities ||
       left_of_motion(view.observation, velocities->sigma, longest_readout_) > kAtRest) {

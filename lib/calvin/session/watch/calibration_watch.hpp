@@ -15,7 +15,7 @@
 namespace calvin {
 
 // A stream has thousands of frames: what one in twenty shows by chance is no change, and a change
-// is one only where five frames in a row show it, by more than .3 px or 4 sigma. A board that moves
+// is one only where four frames in a row show it, by more than .3 px or 4 sigma. A board that moves
 // was elsewhere when other rows were read: the readout is that of the calibration, or up to a
 // thirtieth of a second where the calibration has none, and the frames before tell how the board
 // moves. A view of which nobody knows how it moved tells nothing of the camera.
