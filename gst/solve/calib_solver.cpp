@@ -90,21 +90,51 @@ void CalibSolver::stop() {
 
 void CalibSolver::set_size(ImageSize size) {
   std::optional<Error> warning;
-  Progress now;
-  std::string camera;
+  Told before;
   {
     const std::lock_guard guard(lock_);
+    before = told();
     if (!session_.set_size(size, warning)) return;
-    now = session_.progress();
-    camera = session_.camera_name();
     GST_INFO_OBJECT(element_, "frames of %dx%d px: a session with %d views", size.width,
-                    size.height, now.views);
+                    size.height, session_.progress().views);
     obey();
   }
   if (warning) post_warning(element_, *warning);
   post_notices();
   post_points_report();
-  if (now.views > 0) post_message(element_, progress_message({}, camera, now));
+  tell_of_change(before);
+}
+
+CalibSolver::Told CalibSolver::told() const {
+  return {session_.views().views().size(), session_.calibration().has_value()};
+}
+
+void CalibSolver::tell_beside(const Told& before) {
+  struct Change {
+    CalibSolver* solver;
+    Told before;
+  };
+  gst_element_call_async(
+      element_,
+      [](GstElement* /*element*/, gpointer change) {
+        const auto* known = static_cast<const Change*>(change);
+        known->solver->tell_of_change(known->before);
+      },
+      new Change{this, before}, [](gpointer change) { delete static_cast<Change*>(change); });
+}
+
+void CalibSolver::tell_of_change(const Told& before) {
+  Progress now;
+  std::string camera;
+  Told after;
+  {
+    const std::lock_guard guard(lock_);
+    now = session_.progress();
+    camera = session_.camera_name();
+    after = told();
+  }
+  if (before.views != after.views) post_message(element_, progress_message({}, camera, now));
+  if (before.calibrated != after.calibrated) g_object_notify(G_OBJECT(element_), "calibration");
 }
 
 void CalibSolver::set_live(bool live) {
@@ -214,19 +244,24 @@ void CalibSolver::solve_now() {
 
 void CalibSolver::reset() {
   GST_INFO_OBJECT(element_, "a new session begins: all views are forgotten");
+  Told before;
   {
     const std::lock_guard guard(lock_);
+    before = told();
     session_.reset();
     waiting_points_.clear();
     obey();
   }
   write_journal();
   post_points_report();
+  tell_beside(before);
 }
 
 bool CalibSolver::remove_view(std::optional<unsigned> wanted) {
+  Told before;
   {
     const std::lock_guard guard(lock_);
+    before = told();
     // Where there is none, what comes before the first one is no index.
     const std::size_t index = wanted ? *wanted : session_.views().views().size() - 1;
     if (!session_.remove_view(index)) {
@@ -238,6 +273,7 @@ bool CalibSolver::remove_view(std::optional<unsigned> wanted) {
     obey();
   }
   write_journal();
+  tell_beside(before);
   return true;
 }
 

@@ -123,6 +123,17 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   void sync_later(const std::shared_ptr<Journal>& journal);
   void sync_journal(const std::shared_ptr<Journal>& journal, const std::stop_token& stop);
 
+  // What messages and the property `calibration` tell of the session.
+  struct Told {
+    std::size_t views = 0;
+    bool calibrated = false;
+  };
+  [[nodiscard]] Told told() const;
+  // Without the lock: tells what has changed since.
+  void tell_of_change(const Told& before);
+  // The same from another thread: whoever gives a command may hold a lock that a handler takes.
+  void tell_beside(const Told& before);
+
   // update(), however long that takes; false when it was cancelled.
   [[nodiscard]] bool update_and_wait();
   [[nodiscard]] bool is_up_to_date();
@@ -155,7 +166,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   void run_solve(const SolveJob& job, const std::stop_token& stop);
   void publish(const SolveJob& job, const Solution& solution, const std::stop_token& stop);
   void complain_of_late_files(const SolveJob& job, const std::stop_token& stop);
-  void announce(const SolveJob& job, const Solution& solution, const Progress& now,
+  void announce(const SolveJob& job, const Solution& solution, bool better,
                 const std::stop_token& stop);
   void post_rejected(const SolveJob& job, const Solution& solution, const Progress& now,
                      const std::stop_token& stop);

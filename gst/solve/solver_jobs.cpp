@@ -59,8 +59,13 @@ void CalibSolver::run_solve(const SolveJob& job, const std::stop_token& stop) {
   if (!solution) {
     GST_INFO_OBJECT(element_, "no solution from %" G_GSIZE_FORMAT " views: %s", job.views.size(),
                     solution.error().message.c_str());
-    const std::lock_guard guard(lock_);
-    session_.failed(job, solution.error());
+    std::optional<Error> told;
+    {
+      const std::lock_guard guard(lock_);
+      told = session_.failed(job, solution.error());
+    }
+    if (!told) return;
+    if (const auto report = begin_report(job, stop)) post_warning(element_, *told);
     return;
   }
   // Absent where the clock is past the year 9999.
@@ -95,7 +100,7 @@ void CalibSolver::publish(const SolveJob& job, const Solution& solution,
                     std::string(published->reached).c_str());
   }
   const bool in_time = !published->writing || writer_.drain_for(kPatience);
-  announce(job, solution, published->progress, stop);
+  announce(job, solution, published->better, stop);
   if (auto guide = guide_job(job, solution)) {
     const std::lock_guard guard(lock_);
     session_.guided(job, std::move(guide));
@@ -144,16 +149,24 @@ void CalibSolver::post_rejected(const SolveJob& job, const Solution& solution, c
   }
 }
 
-void CalibSolver::announce(const SolveJob& job, const Solution& solution, const Progress& now,
+void CalibSolver::announce(const SolveJob& job, const Solution& solution, bool better,
                            const std::stop_token& stop) {
   const Calibration& calibration = solution.calibration;
+  // While the files were written more views may have been taken, of which messages tell already.
+  Progress now;
+  std::string location;
+  {
+    const std::lock_guard guard(lock_);
+    now = session_.progress();
+    if (better && session_.is_written()) location = job.location;
+  }
   post_rejected(job, solution, now, stop);
   if (const auto report = begin_report(job, stop)) {
     post_message(element_, progress_message(job.times, calibration.camera, now));
   }
   const auto json = print_calibration(calibration);
   if (const auto report = begin_report(job, stop, true)) {
-    post_message(element_, result_message(job.times, solution, job.location,
+    post_message(element_, result_message(job.times, solution, location,
                                           job.final && json ? json->c_str() : nullptr));
   }
   if (const auto report = begin_report(job, stop)) {

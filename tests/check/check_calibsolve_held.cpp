@@ -17,13 +17,15 @@ using check::Gate;
 using check::HeldFixture;
 using namespace check::held;
 
-// What ends a session.
+// What ends a session. Views of frames of another size wait: at EOS, where no others came, they are
+// solved anew.
 static const struct {
   const char* name;
   void (*end)(HeldFixture&);
+  bool views_wait = false;
 } kEnds[] = {
     {"reset", [](HeldFixture& f) { g_signal_emit_by_name(f.element, "reset"); }},
-    {"new caps", [](HeldFixture& f) { f.halve(); }},
+    {"new caps", [](HeldFixture& f) { f.halve(); }, true},
     {"new run",
      [](HeldFixture& f) {
        gst_element_set_state(f.element, GST_STATE_READY);
@@ -32,6 +34,14 @@ static const struct {
        gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
      }},
 };
+
+// Whether all that was solved of a session is the final result of EOS, where its views have waited.
+static bool is_solved_at_end(HeldFixture& f, bool views_wait) {
+  const auto results = f.bus.named("calib-result");
+  return results.size() == (views_wait ? 1U : 0U) &&
+         (results.empty() ||
+          g_str_equal(gst_structure_get_string(results[0], "state"), "final") != FALSE);
+}
 
 // ---- A solve that is held -----------------------------------------------------------------------
 
@@ -45,7 +55,8 @@ GST_START_TEST(test_a_held_solve_of_a_session_that_ends_is_thrown_away) {
   solved.open();
   f.eos();
   const char* name = kEnds[__i__].name;
-  fail_unless(f.bus.named("calib-result").empty(), "%s: a result is posted", name);
+  fail_unless(is_solved_at_end(f, kEnds[__i__].views_wait), "%s: a result is posted", name);
+  if (kEnds[__i__].views_wait) return;
   fail_unless(f.calibration().empty(), "%s: there is a calibration", name);
   fail_unless_equals_int(f.views_announced(), -1);
   fail_if(std::filesystem::exists(folder / "cam.json"), "%s: a file is written", name);
@@ -97,7 +108,8 @@ GST_START_TEST(test_the_failure_of_a_held_solve_is_forgotten_with_its_session) {
   kEnds[__i__].end(f);
   unsolved.open();
   f.eos();
-  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "no view of the board was taken"), "%s",
+  const bool views_wait = kEnds[__i__].views_wait;
+  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "no view of the board was taken") != views_wait, "%s",
               kEnds[__i__].name);
   gst_debug_unset_threshold_for_name("calibsolve");
   (gst_debug_remove_log_function)(hold_where_unsolved);
@@ -148,8 +160,9 @@ GST_START_TEST(test_a_held_write_with_an_outlier_is_forgotten_with_its_session) 
   kEnds[__i__].end(f);
   written.open();
   f.eos();
-  fail_unless_equals_int(f.bus.named("calib-view").size(), told);
-  fail_unless(f.bus.named("calib-result").empty());
+  fail_unless(is_solved_at_end(f, kEnds[__i__].views_wait));
+  // The final result names it once more.
+  if (!kEnds[__i__].views_wait) fail_unless_equals_int(f.bus.named("calib-view").size(), told);
 }
 GST_END_TEST;
 
@@ -242,7 +255,7 @@ GST_START_TEST(test_behind_a_held_message_nothing_of_the_session_is_posted) {
   kEnds[__i__].end(f);
   progress.open();
   f.eos();
-  fail_unless(f.bus.named("calib-result").empty(), "%s", kEnds[__i__].name);
+  fail_unless(is_solved_at_end(f, kEnds[__i__].views_wait), "%s", kEnds[__i__].name);
 }
 GST_END_TEST;
 

@@ -26,10 +26,16 @@ void CalibrationSession::note_taken(const FrameTimes& times) {
   ++accepted_;
 }
 
+SessionOptions CalibrationSession::capture_options() const {
+  SessionOptions options = plan_.session_options(live_);
+  if (options.max_views > 0) options.max_views += views_beyond_;
+  return options;
+}
+
 void CalibrationSession::set_live(bool live) {
   live_ = live;
   const CaptureMode before = views_.options().mode;
-  views_.set_options(plan_.session_options(live));
+  views_.set_options(capture_options());
   if (views_.options().mode != before) next_solve_ = 0;
   // The hint tells where a limit is reached.
   if (!std::exchange(taken_up_, false) || views_.views().empty()) return;
@@ -89,6 +95,8 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   offered.reason = observation.image_size != size_ ? Reason::kOffSize : Reason::kTooSimilar;
   if (finished_ || is_of_points_alone() || observation.image_size != size_) {
     views_.pass(observation);
+    views_.forget_capture();  // it is answered here
+    if (capture_unanswered_) report(offered, place);
     return offered;
   }
   const bool new_board = choose_board(*board, times);
@@ -228,7 +236,10 @@ bool CalibrationSession::exchanges_views() const {
 std::string_view CalibrationSession::end_at_limit(bool solve) {
   const std::string_view limit = limit_reached();
   finished_ = !limit.empty();
-  if (finished_ && solve) ask(true);
+  if (finished_ && solve) {
+    answer_owed_ = true;
+    ask(true);
+  }
   return limit;
 }
 
@@ -250,6 +261,7 @@ std::string_view CalibrationSession::consider() {
 Status CalibrationSession::solve_now(const SessionSettings& now) {
   solve_waits_ = enough_views();
   if (!solve_waits_) return tl::unexpected<Error>(too_few());
+  answer_owed_ = true;
   solve_when_up_to_date(now);
   return {};
 }
@@ -258,6 +270,7 @@ void CalibrationSession::reset() {
   const bool any = !views_.views().empty() || !set_aside_.empty();
   begin_session();
   set_aside_.clear();
+  aside_owed_ = false;
   of_other_sizes_.clear();
   begin_points();
   if (any) write_down(true, {});
@@ -273,7 +286,8 @@ void CalibrationSession::begin_session() {
   compare_with_target();
   announcement_.reset();
   published_ = finished_ = complained_ = false;
-  asked_ = final_owed_ = solve_waits_ = capture_unanswered_ = false;
+  asked_ = final_owed_ = answer_owed_ = solve_waits_ = capture_unanswered_ = false;
+  if (std::exchange(views_beyond_, 0) > 0) views_.set_options(capture_options());
   last_reasons_.clear();
   refused_.clear();
   obstacle_.clear();

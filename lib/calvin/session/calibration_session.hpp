@@ -58,9 +58,8 @@ struct Offered {
 
 // What came of a solve.
 struct Published {
-  bool better = false;   // than all before it: it goes downstream and to the files
-  bool writing = false;  // files have yet to get a result
-  Progress progress;
+  bool better = false;       // than all before it: it goes downstream and to the files
+  bool writing = false;      // files have yet to get a result
   std::string_view reached;  // the setting for which nothing more is captured from now on, if any
 };
 
@@ -186,7 +185,9 @@ class CalibrationSession {
   // the solution, which are found beside the session, since they take a while.
   [[nodiscard]] std::optional<Published> solved(const SolveJob& job, const Solution& solution,
                                                 std::vector<GroupError> errors = {});
-  void failed(const SolveJob& job, const Error& why);
+  // What to tell the user, where somebody waits for that solve: it was asked for, as by a limit or
+  // by other settings. Where a limit of views was why, more are taken, as those are not enough.
+  [[nodiscard]] std::optional<Error> failed(const SolveJob& job, const Error& why);
   // The views that this solve left out and the one before did not; none where it is not current.
   [[nodiscard]] std::vector<TakenView> newly_rejected(const SolveJob& job,
                                                       const Solution& solution);
@@ -200,6 +201,8 @@ class CalibrationSession {
   void guided(const SolveJob& job, std::shared_ptr<ViewGuide> guide);
 
   // The newest solution.
+  // Whether the files have the best result so far.
+  [[nodiscard]] bool is_written() const noexcept { return writes_.is_written(); }
   [[nodiscard]] const std::optional<Calibration>& calibration() const noexcept {
     return calibration_;
   }
@@ -240,6 +243,8 @@ class CalibrationSession {
   // Captures nothing more where limit_reached() names a setting, and returns it; what is there is
   // to be solved for the final result.
   std::string_view end_at_limit(bool solve = true);
+  [[nodiscard]] SessionOptions capture_options() const;
+  void capture_beyond_limit();
   [[nodiscard]] std::string hint_text() const;
   [[nodiscard]] std::string first_hint() const;
   [[nodiscard]] bool is_blurred() const;
@@ -254,7 +259,8 @@ class CalibrationSession {
   void begin_session();
   // Keeps the views of frames of another size, and takes up those of `size`.
   void change_views(ImageSize size);
-  // At the end: the size with the most views that were kept goes on, where these suffice.
+  // At the end: the size with the most views that were kept goes on, where these suffice and had no
+  // final result.
   void take_up_others();
   [[nodiscard]] std::optional<Calibration> calibration_of(ImageSize size);
   // After other options, or other points: what they ask for.
@@ -381,6 +387,9 @@ class CalibrationSession {
   bool finished_ = false;                        // good enough: nothing more is captured
   bool asked_ = false;                           // take_solve() has something to give
   bool final_owed_ = false;                      // somebody waits for a final result
+  bool aside_owed_ = false;                      // likewise, of views that were set aside
+  bool answer_owed_ = false;                     // likewise, or why there is none
+  int views_beyond_ = 0;                         // of max_views, as that many do not suffice
   bool solve_waits_ = false;                     // for settings to come into force
 
   // What came of it.

@@ -13,13 +13,13 @@ void ResultWrites::reset() {
   forget();
   status_ = {};
   notices_.clear();
-  late_ = kept_ = false;
+  late_ = kept_ = stayed_ = false;
 }
 
 void ResultWrites::begin_files(bool writable) {
   status_ = {};
   failed_ = !writable;
-  late_ = kept_ = false;
+  late_ = kept_ = stayed_ = false;
 }
 
 void ResultWrites::add(const Calibration& result) { unwritten_ = result; }
@@ -57,6 +57,7 @@ void ResultWrites::begun(const WriteJob& job) {
 void ResultWrites::ended(const WriteJob& job, const SessionFiles::Outcome& outcome) {
   const Status& written = outcome.status;
   status_ = written;
+  stayed_ = !outcome.kept.empty() || outcome.stayed.has_value();
   final_waits_ |= !written && job.final;  // it is final when it is tried again, too
   // A newer calibration may wait behind this one.
   if (written && job.number == last_number_) unwritten_.reset();

@@ -43,9 +43,9 @@ class ResultWrites {
   // To say where the write that began last has not ended for so long: once for each set of files.
   [[nodiscard]] std::optional<Notice> late(std::chrono::seconds waited);
 
-  // Whether all files have the newest result.
+  // Whether all files have the newest result, and none stayed as another session left it.
   [[nodiscard]] bool is_written() const noexcept {
-    return last_number_ > 0 && !waiting() && status_.has_value();
+    return last_number_ > 0 && !waiting() && status_.has_value() && !stayed_;
   }
   // Of the write that ended last.
   [[nodiscard]] const Status& status() const noexcept { return status_; }
@@ -63,6 +63,7 @@ class ResultWrites {
   std::vector<CalibrationFile> being_written_;  // by the write that began last
   Status status_;
   std::deque<Notice> notices_;
+  bool stayed_ = false;  // a file did, at the write that ended last
   bool failed_ = false;  // a write did, and there was a notice of it
   bool late_ = false;    // likewise, one did not end
   bool kept_ = false;    // likewise, one left another session's file as it was

@@ -87,6 +87,7 @@ class Session {
 
   // The next usable view is kept whatever else it is, in every mode.
   void capture_next() { asked_ = true; }
+  void forget_capture() { asked_ = false; }
 
   // Forgets all views; the next one may have another image size.
   void reset();

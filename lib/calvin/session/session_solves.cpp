@@ -52,10 +52,24 @@ bool CalibrationSession::is_current(const JobOrigin& origin) const {
   return origin.generation == generation_;
 }
 
-void CalibrationSession::failed(const SolveJob& job, const Error& why) {
-  if (!is_current(job.origin)) return;
+std::optional<Error> CalibrationSession::failed(const SolveJob& job, const Error& why) {
+  if (!is_current(job.origin)) return std::nullopt;
   solve_error_ = why.message;
   if (job.final) final_owed_ = false;
+  if (!std::exchange(answer_owed_, false)) return std::nullopt;
+  // More of the views that do not suffice are not enough, as of a board in one and the same place.
+  const bool was_full = finished_ && views_.full();
+  finished_ = false;
+  if (was_full) capture_beyond_limit();
+  renew_hint();
+  notify(why.message);
+  return solve_failed(solve_error_, calibration_.has_value());
+}
+
+void CalibrationSession::capture_beyond_limit() {
+  views_beyond_ += plan_.settings.max_views + views_beyond_;  // twice as many each time
+  views_.set_options(capture_options());
+  next_solve_ = 0;
 }
 
 std::optional<Published> CalibrationSession::solved(const SolveJob& job, const Solution& solution,
@@ -67,6 +81,7 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   misfit_ = solution.misfit.cause;
   if (auto doubt = views_.readout_doubt()) calibration_->remarks.push_back(*std::move(doubt));
   solve_error_.clear();
+  answer_owed_ = final_owed_;
   look_for_points();  // by the camera that is known now
   const double error = compared_error(*calibration_).value_or(HUGE_VAL);
   const bool better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
@@ -82,7 +97,7 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   const bool is_last = job.final && job.origin.revision == revision_;
   const std::string_view reached = finished_ ? "" : end_at_limit(!is_last);
   renew_hint();
-  return Published{better, writes_.waiting(), progress(), reached};
+  return Published{better, writes_.waiting(), reached};
 }
 
 void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<ViewGuide> guide) {
@@ -120,7 +135,7 @@ std::vector<TakenView> CalibrationSession::newly_rejected(const SolveJob& job,
 
 void CalibrationSession::reported(const SolveJob& job) {
   if (!job.final) return;
-  final_owed_ = false;
+  final_owed_ = answer_owed_ = false;
   final_revision_ = job.origin.revision;
 }
 

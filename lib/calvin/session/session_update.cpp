@@ -17,9 +17,11 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   size_ = {};
   board_.reset();
   initial_.reset();
-  views_.set_options(plan_.session_options(live_));
+  views_beyond_ = 0;
+  views_.set_options(capture_options());
   writes_.begin_files(writable);
   set_aside_.clear();
+  aside_owed_ = false;
   of_other_sizes_.clear();
   journaling_ = false;
   taken_up_ = false;
@@ -70,7 +72,8 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
   const bool other_files = names_other_files(plan.settings, plan_.settings);
   plan_ = std::move(plan);
   compare_with_target();
-  views_.set_options(plan_.session_options(live_));
+  if (solve) views_beyond_ = 0;
+  views_.set_options(capture_options());
   if (views_.options().mode != CaptureMode::kAuto) guide_.reset();
   std::optional<Error> warning;
   if (solve) {
@@ -88,7 +91,10 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
   if (other_files) writes_.begin_files(writable);
   if (solve || write) outdate_results();
   const bool final = finished_ && final_revision_ != revision_;
-  if (enough_views() && (solve || write || final)) ask(final);
+  if (enough_views() && (solve || write || final)) {
+    answer_owed_ |= solve;
+    ask(final);
+  }
   return warning;
 }
 
@@ -113,6 +119,7 @@ void CalibrationSession::change_views(ImageSize size) {
   drop_manual_view();                       // its pixels are of pictures of the size before
   const Session::Views before = views_.views();
   const auto known = calibration_of(size);
+  aside_owed_ = enough_views() ? final_revision_ != revision_ : aside_owed_;
   if (!before.empty()) begin_session();
   Session::Views candidates = std::exchange(set_aside_, {});
   candidates.insert(candidates.end(), before.begin(), before.end());
@@ -140,6 +147,7 @@ void CalibrationSession::change_views(ImageSize size) {
 }
 
 void CalibrationSession::take_up_others() {
+  if (!aside_owed_) return;
   const auto size_of = [](const auto& view) { return view->observation.image_size; };
   const auto count = [&](ImageSize size) { return std::ranges::count(set_aside_, size, size_of); };
   const auto most = std::ranges::max_element(

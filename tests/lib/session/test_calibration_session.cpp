@@ -130,7 +130,7 @@ TEST_F(CalibrationSessions, ThrowAwayWhatWasSolvedForAnotherState) {
     Solution outlier = found(*job, 0.1);
     outlier.rejected = {{3, Reason::kOutlier}};
     EXPECT_TRUE(session_.newly_rejected(*job, outlier).empty());
-    session_.failed(*job, {ErrorCode::kDegenerate, "The views are too few."});
+    EXPECT_FALSE(session_.failed(*job, {ErrorCode::kDegenerate, "The views are too few."}));
     EXPECT_EQ(session_.verdict().status.error().message.find("too few."), std::string::npos);
     // Where views are left they are solved anew.
     EXPECT_EQ(session_.take_solve().has_value(), !end.all);

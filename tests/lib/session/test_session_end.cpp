@@ -56,12 +56,64 @@ TEST_F(CalibrationSessions, EndWithTheResultBeforeAFailure) {
   show(3);
   solve(0.1);
   EXPECT_EQ(session_.end_of_stream(), LastWork::kSolve);
-  session_.failed(*session_.take_solve(), {ErrorCode::kDegenerate, "All views are alike."});
+  const auto last = session_.take_solve();
+  // The end itself tells it.
+  EXPECT_FALSE(session_.failed(*last, {ErrorCode::kDegenerate, "All views are alike."}));
   const Status status = session_.verdict().status;
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().message,
             "The final solve failed and the one before it stays: All views are alike.");
   EXPECT_TRUE(session_.calibration().has_value());
+}
+
+// Whoever has asked for a solve hears why there is none, once; nobody hears of one that was tried
+// meanwhile.
+TEST_F(CalibrationSessions, SayWhyASolveThatWasAskedForFails) {
+  const Error why = {ErrorCode::kDegenerate, "All views are alike."};
+  begin();
+  show(3);
+  EXPECT_FALSE(session_.failed(*session_.take_solve(), why));
+  ASSERT_TRUE(session_.solve_now(settings_).has_value());
+  const auto told = session_.failed(*session_.take_solve(), why);
+  ASSERT_TRUE(told.has_value());
+  EXPECT_EQ(told->message, "No calibration: All views are alike.");
+  EXPECT_EQ(session_.progress().hint, "All views are alike.");
+  show(1);
+  EXPECT_FALSE(session_.failed(*session_.take_solve(), why));
+}
+
+// Views that cannot be solved are not enough, however many were asked for.
+TEST_F(CalibrationSessions, GoOnWhereTheViewsOfALimitCannotBeSolved) {
+  SessionSettings settings;
+  settings.max_views = 4;
+  begin(settings);
+  show(4);
+  EXPECT_FALSE(session_.progress().done);
+  EXPECT_NE(show(1).reason, Reason::kAccepted);
+  const auto job = session_.take_solve();
+  ASSERT_TRUE(job.has_value());
+  EXPECT_TRUE(session_.failed(*job, {ErrorCode::kDegenerate, "All views are alike."}));
+  EXPECT_NE(session_.progress().hint.substr(0, 4), "Done");
+  EXPECT_EQ(show(3).reached, "");
+  EXPECT_EQ(show(1).reached, "max-views") << "twice as many";
+  ASSERT_TRUE(solve(0.1).has_value());
+  EXPECT_TRUE(session_.progress().done);
+  session_.reset();
+  show(3);
+  EXPECT_EQ(show(1).reached, "max-views") << "a new session has its own";
+}
+
+// Nothing more is captured: whoever asks for a view is told so.
+TEST_F(CalibrationSessions, AnswerACaptureAfterTheirLimit) {
+  SessionSettings settings;
+  settings.max_views = 3;
+  begin(settings);
+  show(3);
+  ASSERT_TRUE(solve(0.1).has_value());
+  EXPECT_FALSE(show(1).report);
+  session_.capture_view();
+  EXPECT_TRUE(show(1).report);
+  EXPECT_FALSE(show(1).report);
 }
 
 // What calibsolve's worker does, once.

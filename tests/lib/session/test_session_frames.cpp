@@ -203,6 +203,19 @@ TEST_F(SessionFrames, OfAnEarlierSizeCountAtTheEndWhereTheLastAreTooFew) {
   EXPECT_EQ(job->views.size(), 4u);
 }
 
+// A stream that has had its final result is over.
+TEST_F(SessionFrames, OfAnEarlierSizeThatHadTheirResultAreNotSolvedAgain) {
+  begin();
+  show(4);
+  EXPECT_EQ(session_.end_of_stream(), LastWork::kSolve);
+  const auto job = session_.take_solve();
+  ASSERT_TRUE(session_.solved(*job, found(*job, 0.1)).has_value());
+  session_.reported(*job);
+  std::optional<Error> warning;
+  EXPECT_TRUE(session_.set_size({320, 240}, warning));
+  EXPECT_EQ(session_.end_of_stream(), LastWork::kNone);
+}
+
 // As few as the last ones are no reason to go back.
 TEST_F(SessionFrames, OfAnEarlierSizeThatAreTooFewWait) {
   begin();

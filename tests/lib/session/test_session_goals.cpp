@@ -111,7 +111,7 @@ TEST_F(CalibrationSessions, TellWhatIsKnownOfTheCamera) {
   const auto published =
       session_.solved(*job, found(*job, 0.5), {{"focal length", 2}, {"principal point", 0.9}});
   ASSERT_TRUE(published.has_value());
-  const Progress& now = published->progress;
+  const Progress now = session_.progress();
   ASSERT_EQ(now.parameters.size(), 2U);
   EXPECT_EQ(now.parameters[0].name, "focal length");
   EXPECT_DOUBLE_EQ(now.parameters[0].known, 0.5);  // wanted: 5 times the target
