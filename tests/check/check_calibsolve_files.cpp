@@ -205,6 +205,7 @@ GST_START_TEST(test_a_final_result_that_could_not_be_written_is_tried_again_at_t
   f.push_views(10);
   for (int i = 0; i < 3000 && f.result("final") == nullptr; ++i) g_usleep(10000);
   fail_unless(f.result("final") != nullptr);
+  fail_if(gst_structure_has_field(f.result("final"), "location"), "there is no such file");
   std::filesystem::create_directory(folder / "later");
   f.eos();
   fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
