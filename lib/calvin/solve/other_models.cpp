@@ -55,6 +55,8 @@ const Trial* better_than(const Trial& own, const std::vector<Trial>& others) {
   });
 }
 
+constexpr double kGoodEnough = 1;  // px, whatever an error is made of
+
 // What the lens of a model lacks is in no covariance: the promises hold how far the projections of
 // a better model are from its own, and what that one promises itself.
 void hold_difference(Calibration& calibration, const Calibration& better) {
@@ -121,10 +123,32 @@ std::string contradicts(const Calibration& calibration, const Trial& own, const 
       2 * calibration.expected_error.value_or(0));
 }
 
-// A solve that is better than the one at hand.
+std::string is_stretched(const Calibration& calibration, const BoardAspect& aspect) {
+  const bool is_tall = aspect.value > 1;
+  return fmt::format(
+      "The board is {:.2g} % (+-{:.1g}) longer along its {} than by its text: the print is "
+      "stretched. Measure it both ways, or print it anew at true scale. The accuracy of {:.2g} px "
+      "holds that.",
+      100 * ((is_tall ? aspect.value : 1 / aspect.value) - 1), 100 * aspect.sigma,
+      is_tall ? "columns" : "rows", 2 * calibration.expected_error.value_or(0));
+}
+
+// A solve that is better than the one at hand: of a stretched board, with less held, or of another
+// model.
 struct Better {
   Trial trial;
-  std::string held;  // what was let go for it; empty: it is of another model
+  std::string held = {};  // what was let go for it
+  [[nodiscard]] const std::optional<BoardAspect>& aspect() const {
+    return trial.solution.board_aspect;
+  }
+  [[nodiscard]] Misfit::Cause cause() const {
+    return aspect() ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
+  }
+  [[nodiscard]] std::string words(const Calibration& calibration, const Trial& own) const {
+    if (aspect()) return is_stretched(calibration, *aspect());
+    return held.empty() ? lacks(calibration, own, trial)
+                        : contradicts(calibration, own, trial, held);
+  }
 };
 
 // The same model with nothing held: what is held may be wrong.
@@ -138,11 +162,23 @@ std::optional<Better> let_go(const Trial& own, const std::vector<PointSet>& view
   return free != nullptr ? std::optional(Better{*free, join(held, ",")}) : std::nullopt;
 }
 
+// The same with a board that may be stretched.
+std::optional<Better> stretch(const Trial& own, const std::vector<PointSet>& views,
+                              const BoardShape& stretched, ImageSize size,
+                              const SolveOptions& options, const std::stop_token& stop) {
+  constexpr double kSure = 5;  // sigma
+  const auto trials = try_all({own.model}, views, stretched, size, options, stop);
+  const Trial* better = better_than(own, trials);
+  if (better == nullptr || !better->solution.board_aspect) return std::nullopt;
+  const BoardAspect& aspect = *better->solution.board_aspect;
+  if (!(std::abs(aspect.value - 1) > kSure * aspect.sigma)) return std::nullopt;
+  return Better{*better};
+}
+
 // The promises hold how far the two are apart; the first remark says what is better.
 void note_better(Solution& solution, const Trial& own, const Better& better, bool was_suspected) {
-  constexpr double kHalf = 0.5;      // of the variance of views held out
-  constexpr double kGoodEnough = 1;  // px, whatever an error is made of
-  constexpr double kGrown = 2;       // times the error that was promised without it
+  constexpr double kHalf = 0.5;  // of the variance of views held out
+  constexpr double kGrown = 2;   // times the error that was promised without it
   Calibration& calibration = solution.calibration;
   Misfit& misfit = solution.misfit;
   const double before = calibration.expected_error.value_or(0);
@@ -151,18 +187,17 @@ void note_better(Solution& solution, const Trial& own, const Better& better, boo
   const bool was_noticed = misfit.noticed != Misfit::Cause::kNone;
   const bool is_removed = squares_held_out(better.trial) <= kHalf * squares_held_out(own);
   if ((was_suspected && is_removed) || after > std::max(kGoodEnough, kGrown * before)) {
-    misfit.cause = Misfit::Cause::kModel;
+    misfit.cause = better.cause();
   }
   const bool is_of_board = misfit.noticed == Misfit::Cause::kBoard;
-  const bool is_cause = misfit.cause == Misfit::Cause::kModel || (!misfit.found() && !is_of_board);
-  if (is_cause) misfit.noticed = Misfit::Cause::kModel;
+  const bool is_cause = misfit.cause == better.cause() || (!misfit.found() && !is_of_board);
+  if (is_cause) misfit.noticed = better.cause();
   calibration.misfit = to_string(misfit.cause);
   // Beside another cause it is a remark of its own.
   auto& remarks = calibration.remarks;
   auto remark = remarks.begin() + (is_cause ? 0 : 1);
   if (!was_noticed || !is_cause) remark = remarks.emplace(remark);
-  *remark = better.held.empty() ? lacks(calibration, own, better.trial)
-                                : contradicts(calibration, own, better.trial, better.held);
+  *remark = better.words(calibration, own);
 }
 
 }  // namespace
@@ -183,9 +218,21 @@ void try_other_models(Solution& solution, const std::vector<PointSet>& views,
   std::optional<Better> better = let_go(own, some, shape, image_size, options, stop);
   if (!better) {
     const auto others = try_others(own, was_suspected, some, shape, image_size, options, stop);
-    if (const Trial* other = better_than(own, others)) better = Better{*other, ""};
+    if (const Trial* other = better_than(own, others)) better = Better{*other};
   }
   if (better) note_better(solution, own, *better, was_suspected);
+}
+
+bool try_stretched(Solution& solution, const std::vector<PointSet>& views,
+                   const BoardShape& stretched, ImageSize image_size, const SolveOptions& options,
+                   const std::stop_token& stop) {
+  const Trial own = {solution.calibration.model, solution, held_out_of(views, solution)};
+  const auto better = stretch(own, some_of(views), stretched, image_size, options, stop);
+  // Whatever else was suspected: a print that is stretched can be mended.
+  const bool matters =
+      solution.misfit.found() || 2 * solution.calibration.expected_error.value_or(0) > kGoodEnough;
+  if (better) note_better(solution, own, *better, matters);
+  return better.has_value();
 }
 
 }  // namespace calvin

@@ -24,4 +24,10 @@ void try_other_models(Solution& solution, const std::vector<PointSet>& views,
                       const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
                       const std::stop_token& stop);
 
+// The same with the same model and a board that is `stretched`, a shape with its aspect: where that
+// is better, and the aspect is another by 5 sigma, the board is the cause. False where it is not.
+bool try_stretched(Solution& solution, const std::vector<PointSet>& views,
+                   const BoardShape& stretched, ImageSize image_size, const SolveOptions& options,
+                   const std::stop_token& stop);
+
 }  // namespace calvin

@@ -93,7 +93,7 @@ class Operator {
     while (const auto job = session_.take_solve()) {
       const auto solution = solve_job(*job, {});
       if (!solution) {
-        session_.failed(*job, solution.error());
+        (void)session_.failed(*job, solution.error());
         continue;
       }
       EXPECT_TRUE(session_.solved(*job, *solution).has_value());

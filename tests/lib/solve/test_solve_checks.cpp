@@ -5,6 +5,7 @@
 // that moved, errors that corners have in common; and sessions in which nothing is amiss.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <string>
@@ -159,6 +160,33 @@ TEST(Checks, TwoBoardsAreJudgedEachByItself) {
 TEST(Checks, ALensThatIsRicherThanTheModelIsFlagged) {
   std::map<std::string, int> causes;
   EXPECT_GE(flagged("brown5", "pinhole", {}, true, &causes), fewest_found());
+}
+
+// A print that is 1 % too long for its width is what is wrong, and not the hand that holds it.
+TEST(Checks, AStretchedBoardIsNamed) {
+  const Fault stretched = {
+      [](const Eigen::Vector3d& p) { return Eigen::Vector3d(p.x(), 1.01 * p.y(), p.z()); }, {}};
+  constexpr int kSessions = 10;
+  for (const char* model : {"brown4", "auto"}) {
+    int named = 0;
+    for (int seed = 0; seed < kSessions; ++seed) {
+      Random random(seed);
+      const Camera camera = scenes::random_camera("brown4", random);
+      SolveOptions options;
+      options.model = model;
+      const auto solution = solve(session(camera, stretched, random), camera.image_size(), options);
+      ASSERT_TRUE(solution);
+      EXPECT_EQ(solution->misfit.noticed, Misfit::Cause::kBoard) << model << seed;
+      const auto& remarks = solution->calibration.remarks;
+      ASSERT_FALSE(remarks.empty());
+      double percent = 0;
+      if (std::sscanf(remarks.front().c_str(), "The board is %lf %%", &percent) != 1) continue;
+      EXPECT_NEAR(percent, 1, 0.1) << remarks.front();
+      EXPECT_NE(remarks.front().find("along its columns"), std::string::npos);
+      ++named;
+    }
+    EXPECT_GE(named, kSessions - 2) << model;
+  }
 }
 
 // Neither a richer model nor a better board helps where a wrong number is held.
