@@ -18,6 +18,7 @@
 
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/solve/difference.hpp"
 #include "calvin/solve/models/trials.hpp"
 #include "calvin/solve/split_halves.hpp"
 
@@ -120,6 +121,40 @@ std::size_t choose(const std::vector<Trial>& trials, const std::vector<PointSet>
   return best;
 }
 
+// Models that fit as well may differ where no corner was seen, and none of them knows: the promise
+// for the whole picture holds how far one of them is from `chosen` that is sure of itself there. Of
+// a wide lens a lens about a plane tells nothing but where corners were.
+void hold_rivals(Calibration& chosen, const std::vector<Trial>& trials) {
+  constexpr double kSure = 2;   // times what the other one promises itself, 2 sigma
+  constexpr double kGrown = 2;  // times the promise before, to be a remark
+  const auto own = Camera::make(chosen);
+  if (!own || !chosen.expected_error_anywhere) return;
+  const bool is_perspective = find_lens(chosen.model)->perspective;
+  const double before = *chosen.expected_error_anywhere;
+  DifferenceOptions options;
+  options.focus = {chosen.covered};
+  std::string words;
+  for (const std::size_t i : as_good_as_any(trials)) {
+    const std::string& model = trials[i].model;
+    const auto other = Camera::make(trials[i].solution.calibration);
+    if (!other || model == chosen.model || find_lens(model)->perspective != is_perspective)
+      continue;
+    const auto apart = difference(*own, *other, options);
+    if (!apart || !(apart->image.max > 2 * kSure * error_anywhere(trials[i]))) continue;
+    const double all = std::hypot(before, apart->image.max / 2 + error_anywhere(trials[i]));
+    if (!(all > *chosen.expected_error_anywhere)) continue;
+    chosen.expected_error_anywhere = all;
+    chosen.worst_place = apart->image.worst;
+    words = fmt::format(
+        "Where no corner was seen {} and {} differ by {:.2g} px, most at {:.0f}, {:.0f}, though "
+        "both fit the views as well: show the board there.",
+        chosen.model, model, apart->image.max, apart->image.worst.u, apart->image.worst.v);
+  }
+  if (*chosen.expected_error_anywhere > kGrown * before) {
+    chosen.remarks.push_back(std::move(words));
+  }
+}
+
 std::string explain(const std::vector<Trial>& trials, std::size_t best,
                     const std::vector<std::string>& far) {
   const auto words = [](const Trial& trial) {
@@ -177,6 +212,7 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   };
   add(solution.rejected, reference.rejected);
   add(solution.rejected_corners, reference.rejected_corners);
+  hold_rivals(solution.calibration, trials);
   solution.calibration.remarks.push_back(explain(trials, best, rivals.far));
   return solution;
 }
