@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/detect/board_identifier.hpp"
 #include "calvin/detect/identify.hpp"
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
@@ -154,6 +155,16 @@ TEST(Identify, NamesRowsOfTags) {
 }
 
 // Only a code tells whether it is seen in a mirror.
+// Light that bleeds makes gaps seem wider: which gap was printed nobody knows, and what to do is
+// said.
+TEST(Identify, AsksForTheGapsOfTagsThatNoneIsLike) {
+  const Board board = parse_board("aruco:5x4:25mm:6.8mm:DICT_6X6_50").value();
+  BoardIdentifier identifier(AutoBoard{0.025, false});
+  identifier.look(picture_of(board, 0.1).view(), {});
+  EXPECT_FALSE(identifier.certain().has_value());
+  EXPECT_NE(identifier.hint().find("measure the gaps"), std::string::npos) << identifier.hint();
+}
+
 TEST(Identify, TellsAMirror) {
   EXPECT_EQ(first_of(mirrored(picture_of(parse_board("puzzle:14x9:25mm").value(), 0.1))),
             "~puzzle:14x9:25mm");
