@@ -95,7 +95,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   offered.reason = observation.image_size != size_ ? Reason::kOffSize : Reason::kTooSimilar;
   if (finished_ || is_of_points_alone() || observation.image_size != size_) {
     views_.pass(observation);
-    views_.forget_capture();  // it is answered here
+    if (finished_) views_.forget_capture();  // nothing more is captured
     if (capture_unanswered_) report(offered, place);
     return offered;
   }

@@ -67,7 +67,9 @@ std::optional<Error> CalibrationSession::failed(const SolveJob& job, const Error
 }
 
 void CalibrationSession::capture_beyond_limit() {
-  views_beyond_ += plan_.settings.max_views + views_beyond_;  // twice as many each time
+  constexpr int kMost = 1000;  // a stream may go on for ever
+  const int now = plan_.settings.max_views + views_beyond_;
+  if (now < kMost) views_beyond_ += now;  // twice as many
   views_.set_options(capture_options());
   next_solve_ = 0;
 }
