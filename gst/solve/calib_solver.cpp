@@ -110,17 +110,22 @@ CalibSolver::Told CalibSolver::told() const {
 }
 
 void CalibSolver::tell_beside(const Told& before) {
-  struct Change {
-    CalibSolver* solver;
-    Told before;
-  };
+  {
+    const std::lock_guard guard(lock_);
+    if (!untold_) untold_ = before;
+  }
   gst_element_call_async(
       element_,
-      [](GstElement* /*element*/, gpointer change) {
-        const auto* known = static_cast<const Change*>(change);
-        known->solver->tell_of_change(known->before);
+      [](GstElement* /*element*/, gpointer of) {
+        auto* solver = static_cast<CalibSolver*>(of);
+        std::optional<Told> since;
+        {
+          const std::lock_guard guard(solver->lock_);
+          since = std::exchange(solver->untold_, std::nullopt);
+        }
+        if (since) solver->tell_of_change(*since);
       },
-      new Change{this, before}, [](gpointer change) { delete static_cast<Change*>(change); });
+      this, nullptr);
 }
 
 void CalibSolver::tell_of_change(const Told& before) {

@@ -208,6 +208,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   std::vector<JournalEntry> between_runs_;
   std::string journal_path_;                 // lock_; of the last run that kept one
   std::vector<PointChoice> waiting_points_;  // lock_: for a frame
+  std::optional<Told> untold_;               // lock_: what was told before a command changed it
   bool watching_ = false;                    // lock_: the watcher is at work
   bool is_live_ = false;                     // lock_
   bool stream_runs_ = false;                 // lock_: it has not ended, and is not flushed
