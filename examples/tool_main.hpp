@@ -18,9 +18,9 @@
 
 namespace calvin_tools {
 
-// What all tools answer alike, by the exit status; nothing where the tool itself is to answer. -h
-// is
-// --help to it. A dash and letters would be taken for a file by tools that have no such options.
+// What all tools answer alike, by the exit status; nothing where the tool itself is to answer, as
+// to --help, which -h stands for. Other words of one dash and letters would be taken for files by
+// tools that have no such options.
 inline std::optional<int> answer(const char* name, int argc, char** argv) {
   constexpr int kWrongUsage = 2;
   static char help[] = "--help";

@@ -145,17 +145,15 @@ std::string BoardIdentifier::hint() const {
   if (wanted == nullptr && !will_do(seen_->board)) {
     return is_sure() ? fmt::format("This is {}, I look for a PuzzleBoard", text) : "";
   }
-  const bool has_gaps =
-      seen_->board.as<TagGrid>() != nullptr || seen_->board.as<AprilGrid>() != nullptr;
-  // Light that bleeds over edges makes tags smaller or larger, and no picture tells by how much.
-  if (wanted == nullptr && has_gaps) {
-    return fmt::format(
-        "This may be {}: show the whole board, once more. Where it is whole, measure the gaps "
-        "between its tags, and give its text",
-        text);
-  }
   if (wanted == nullptr) {
-    return fmt::format("This may be {}: show the whole board, once more", text);
+    // Light that runs over edges makes tags smaller or larger, and no picture tells by how much.
+    const bool has_gaps =
+        seen_->board.as<TagGrid>() != nullptr || seen_->board.as<AprilGrid>() != nullptr;
+    return fmt::format("This may be {}: show the whole board, once more{}", text,
+                       has_gaps
+                           ? ". Where it is whole, measure the gaps between its tags, and give "
+                             "its text"
+                           : "");
   }
   const bool is_wanted = std::ranges::any_of(
       wanted_, [&](const Board& board) { return board.looks_like(seen_->board); });

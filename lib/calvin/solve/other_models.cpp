@@ -16,6 +16,7 @@
 
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/solve/auto_model.hpp"
 #include "calvin/solve/difference.hpp"
 #include "calvin/solve/models/trials.hpp"
 #include "calvin/solve/split_halves.hpp"
@@ -85,7 +86,7 @@ void hold_difference(Calibration& calibration, const Calibration& better) {
 
 // All candidates, from simple to rich; none where the richest of them are no better than `own`, and
 // nothing else makes the lens suspect.
-std::vector<Trial> try_others(const Trial& own, bool is_suspect, const std::vector<PointSet>& views,
+std::vector<Trial> try_lenses(const Trial& own, bool is_suspect, const std::vector<PointSet>& views,
                               const BoardShape& shape, ImageSize size, const SolveOptions& options,
                               const std::stop_token& stop) {
   const std::vector<std::string> all = candidates();
@@ -114,11 +115,8 @@ std::string lacks(const Calibration& calibration, const Trial& own, const Trial&
 std::string contradicts(const Calibration& calibration, const Trial& own, const Trial& free,
                         const std::string& held) {
   return fmt::format(
-      "What is held (fix={}) contradicts the views: with nothing held {} predicts views held out "
-      "to "
-      "{:.2g} px, and to {:.2g} px with that. The accuracy of {:.2g} px holds that. Leave out of "
-      "fix "
-      "what is wrong.",
+      "What is held (fix={}) contradicts the views: {} with nothing held predicts those held "
+      "out to {:.2g} px, else to {:.2g} px. The accuracy of {:.2g} px holds that. Hold less.",
       held, calibration.model, held_out_rms(free), held_out_rms(own),
       2 * calibration.expected_error.value_or(0));
 }
@@ -157,7 +155,7 @@ std::optional<Better> let_go(const Trial& own, const std::vector<PointSet>& view
                              const std::stop_token& stop) {
   const std::vector<std::string> held = std::exchange(options.fix, {});
   if (held.empty()) return std::nullopt;
-  const auto trials = try_all({options.model}, views, shape, size, options, stop);
+  const auto trials = try_all({own.model}, views, shape, size, options, stop);
   const Trial* free = better_than(own, trials);
   return free != nullptr ? std::optional(Better{*free, join(held, ",")}) : std::nullopt;
 }
@@ -208,31 +206,24 @@ bool may_be_the_lens(const Misfit& misfit) {
   return misfit.noticed != Misfit::Cause::kNone && misfit.noticed != Misfit::Cause::kBoard;
 }
 
-void try_other_models(Solution& solution, const std::vector<PointSet>& views,
-                      const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
-                      const std::stop_token& stop) {
-  const Trial own = {options.model, solution, held_out_of(views, solution)};
+void try_others(Solution& solution, const std::vector<PointSet>& views, const BoardShape& shape,
+                const std::optional<BoardShape>& stretched, ImageSize image_size,
+                const SolveOptions& options, const std::stop_token& stop) {
+  const Trial own = {solution.calibration.model, solution, held_out_of(views, solution)};
   const Misfit& misfit = solution.misfit;
   const bool was_suspected = misfit.found() || misfit.noticed == Misfit::Cause::kModel;
   const std::vector<PointSet> some = some_of(views);
   std::optional<Better> better = let_go(own, some, shape, image_size, options, stop);
-  if (!better) {
-    const auto others = try_others(own, was_suspected, some, shape, image_size, options, stop);
-    if (const Trial* other = better_than(own, others)) better = Better{*other};
+  if (!better && stretched) better = stretch(own, some, *stretched, image_size, options, stop);
+  if (!better && options.model != kAutoModel) {
+    const auto lenses = try_lenses(own, was_suspected, some, shape, image_size, options, stop);
+    if (const Trial* other = better_than(own, lenses)) better = Better{*other};
   }
-  if (better) note_better(solution, own, *better, was_suspected);
-}
-
-bool try_stretched(Solution& solution, const std::vector<PointSet>& views,
-                   const BoardShape& stretched, ImageSize image_size, const SolveOptions& options,
-                   const std::stop_token& stop) {
-  const Trial own = {solution.calibration.model, solution, held_out_of(views, solution)};
-  const auto better = stretch(own, some_of(views), stretched, image_size, options, stop);
-  // Whatever else was suspected: a print that is stretched can be mended.
-  const bool matters =
-      solution.misfit.found() || 2 * solution.calibration.expected_error.value_or(0) > kGoodEnough;
-  if (better) note_better(solution, own, *better, matters);
-  return better.has_value();
+  if (!better) return;
+  // A print that is stretched can be mended, whatever was suspected.
+  const double accuracy = 2 * solution.calibration.expected_error.value_or(0);
+  const bool matters = better->aspect() && accuracy > kGoodEnough;
+  note_better(solution, own, *better, was_suspected || matters);
 }
 
 }  // namespace calvin

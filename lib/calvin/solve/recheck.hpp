@@ -30,8 +30,7 @@ struct RecheckReport {
   // and the second that of the worst place where boards were seen.
   double displacement = 0;
   double displacement_sigma = 0;
-  double region_sigma =
-      0;  // px, 1 sigma of a displacement at the worst place where boards were seen
+  double region_sigma = 0;  // px, 1 sigma at the worst place where boards were seen
   int points = 0;
 };
 

@@ -180,20 +180,33 @@ bool any_of_them(const std::vector<ViewMark>& views, const std::vector<ViewMark>
   });
 }
 
-// Whether what is wrong with a solution is that its board is stretched; then it says so.
-bool is_board_stretched(Solution& solution, std::span<const View> views,
-                        const std::vector<PointSet>& points, const BoardShape& shape,
-                        ImageSize size, const SolveOptions& options, const std::stop_token& stop) {
-  if (shape.offsets || options.aspect || !mostly_unambiguous(points, kViewsEnough)) return false;
-  SolveOptions with_aspect = options;
-  with_aspect.aspect = true;
-  const BoardShape stretched = shape_for(views, points.size(), with_aspect);
-  return stretched.unknowns.has_aspect &&
-         try_stretched(solution, points, stretched, size, options, stop);
+// The shape of a board that may be stretched, too; absent where the views do not tell that.
+std::optional<BoardShape> stretched_shape(std::span<const View> views,
+                                          const std::vector<PointSet>& points,
+                                          const BoardShape& shape, SolveOptions options) {
+  if (shape.offsets || options.aspect || !mostly_unambiguous(points, kViewsEnough)) {
+    return std::nullopt;
+  }
+  options.aspect = true;
+  BoardShape stretched = shape_for(views, points.size(), options);
+  return stretched.unknowns.has_aspect ? std::optional(std::move(stretched)) : std::nullopt;
 }
 
-// The solve of one model. Where the views leave it open a simpler one takes its place; where it
-// finds fault, others are tried.
+// Where a solve finds fault, others are tried.
+Result<Solution> beside_others(Result<Solution> solution, std::span<const View> views,
+                               const BoardShape& shape, ImageSize size, const SolveOptions& options,
+                               const std::stop_token& stop) {
+  if (!solution || solution->calibration.views.size() < kViewsEnough) return solution;
+  if (!may_be_the_lens(solution->misfit)) return solution;
+  if (const auto again = usable_views(views, size)) {
+    try_others(*solution, again->views, shape, stretched_shape(views, again->views, shape, options),
+               size, options, stop);
+  }
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  return solution;
+}
+
+// The solve of one model. Where the views leave it open a simpler one takes its place.
 Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> points,
                              const BoardShape& shape, ImageSize size, const SolveOptions& options,
                              const std::stop_token& stop) {
@@ -205,33 +218,15 @@ Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> 
     }
     if (solution && solution->calibration.model != options.model) return solution;
   }
-  if (!solution || solution->calibration.views.size() < kViewsEnough) return solution;
-  if (!may_be_the_lens(solution->misfit)) return solution;
-  if (const auto again = usable_views(views, size)) {
-    if (!is_board_stretched(*solution, views, again->views, shape, size, options, stop)) {
-      try_other_models(*solution, again->views, shape, size, options, stop);
-    }
-  }
-  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
-  return solution;
-}
-
-// model=auto has tried all lenses.
-Result<Solution> solve_any_model(std::span<const View> views, const std::vector<PointSet>& points,
-                                 const BoardShape& shape, ImageSize size,
-                                 const SolveOptions& options, const std::stop_token& stop) {
-  auto solution = solve_auto(points, shape, size, options, stop);
-  if (!solution || !may_be_the_lens(solution->misfit)) return solution;
-  (void)is_board_stretched(*solution, views, points, shape, size, options, stop);
-  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
-  return solution;
+  return beside_others(std::move(solution), views, shape, size, options, stop);
 }
 
 Result<Solution> solve_shaped(std::span<const View> views, std::vector<PointSet> points,
                               const BoardShape& shape, ImageSize size, const SolveOptions& options,
                               const std::stop_token& stop) {
   return options.model == kAutoModel
-             ? solve_any_model(views, points, shape, size, options, stop)
+             ? beside_others(solve_auto(points, shape, size, options, stop), views, shape, size,
+                             options, stop)
              : solve_model(views, std::move(points), shape, size, options, stop);
 }
 

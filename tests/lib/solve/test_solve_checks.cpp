@@ -5,53 +5,26 @@
 // that moved, errors that corners have in common; and sessions in which nothing is amiss.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <map>
 #include <string>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calvin/solve/difference.hpp"
 #include "calvin/solve/uncertainty.hpp"
+#include "faulty_session.hpp"
 #include "scenes.hpp"
 
 namespace calvin {
 namespace {
 
+using scenes::Fault;
+using scenes::kNoise;
 using scenes::Random;
-
-constexpr double kNoise = 0.1;  // px
-constexpr int kViews = 25;
+using scenes::session;
 
 int sessions() { return scenes::full_count() ? 200 : 25; }
-
-// What happens to a session: `bend` moves the corners of the board (m), `spoil` those of a view.
-struct Fault {
-  std::function<Eigen::Vector3d(const Eigen::Vector3d&)> bend;
-  std::function<void(View&, Random&)> spoil;
-};
-
-std::vector<View> session(const Camera& camera, const Fault& fault, Random& random,
-                          double sigma = kNoise, const Board& board = scenes::kBoard) {
-  std::normal_distribution<double> noise(0, sigma);
-  std::vector<View> views;
-  for (const SE3& pose : scenes::random_poses(camera, board, random, kViews)) {
-    View view = scenes::observe(camera, board, pose, 0, random);
-    for (std::size_t i = 0; i < view.observation.uv.size(); ++i) {
-      const Eigen::Vector3d printed =
-          board.points()[static_cast<std::size_t>(view.observation.ids[i])];
-      const Eigen::Vector3d point = fault.bend ? fault.bend(printed) : printed;
-      const Pixel at = camera.project(pose * point).value();
-      view.observation.uv[i] = {at.u + noise(random), at.v + noise(random)};
-    }
-    view.observation.sigma.assign(view.observation.uv.size(), sigma);
-    if (fault.spoil) fault.spoil(view, random);
-    views.push_back(std::move(view));
-  }
-  return views;
-}
 
 // How a board bends along its long side, by `depth` m in the middle.
 std::function<Eigen::Vector3d(const Eigen::Vector3d&)> bow(double depth,
@@ -160,53 +133,6 @@ TEST(Checks, TwoBoardsAreJudgedEachByItself) {
 TEST(Checks, ALensThatIsRicherThanTheModelIsFlagged) {
   std::map<std::string, int> causes;
   EXPECT_GE(flagged("brown5", "pinhole", {}, true, &causes), fewest_found());
-}
-
-// A print that is 1 % too long for its width is what is wrong, and not the hand that holds it.
-TEST(Checks, AStretchedBoardIsNamed) {
-  const Fault stretched = {
-      [](const Eigen::Vector3d& p) { return Eigen::Vector3d(p.x(), 1.01 * p.y(), p.z()); }, {}};
-  constexpr int kSessions = 10;
-  for (const char* model : {"brown4", "auto"}) {
-    int named = 0;
-    for (int seed = 0; seed < kSessions; ++seed) {
-      Random random(seed);
-      const Camera camera = scenes::random_camera("brown4", random);
-      SolveOptions options;
-      options.model = model;
-      const auto solution = solve(session(camera, stretched, random), camera.image_size(), options);
-      ASSERT_TRUE(solution);
-      EXPECT_EQ(solution->misfit.noticed, Misfit::Cause::kBoard) << model << seed;
-      const auto& remarks = solution->calibration.remarks;
-      ASSERT_FALSE(remarks.empty());
-      double percent = 0;
-      if (std::sscanf(remarks.front().c_str(), "The board is %lf %%", &percent) != 1) continue;
-      EXPECT_NEAR(percent, 1, 0.1) << remarks.front();
-      EXPECT_NE(remarks.front().find("along its columns"), std::string::npos);
-      ++named;
-    }
-    EXPECT_GE(named, kSessions - 2) << model;
-  }
-}
-
-// Neither a richer model nor a better board helps where a wrong number is held.
-TEST(Checks, AWrongValueThatIsHeldIsNamed) {
-  int named = 0;
-  constexpr int kSessions = 10;
-  for (int seed = 0; seed < kSessions; ++seed) {
-    Random random(seed);
-    const Camera camera = scenes::random_camera("brown4", random);
-    SolveOptions options;
-    options.model = "brown4";
-    options.fix = {fmt::format("fx={:.1f}", 1.03 * camera.fx()), "k1"};
-    const auto solution = solve(session(camera, {}, random), camera.image_size(), options);
-    ASSERT_TRUE(solution);
-    EXPECT_EQ(solution->misfit.cause, Misfit::Cause::kModel) << seed;
-    const auto& remarks = solution->calibration.remarks;
-    ASSERT_FALSE(remarks.empty());
-    named += remarks.front().find("fix=fx=") != std::string::npos ? 1 : 0;
-  }
-  EXPECT_EQ(named, kSessions);
 }
 
 TEST(Checks, ARollingShutterIsFlagged) {

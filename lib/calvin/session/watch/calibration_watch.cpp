@@ -41,28 +41,33 @@ bool has_jumped(const CornerMotion& moved, const Observation& seen, double secon
 }  // namespace
 
 CalibrationWatch::CalibrationWatch(const Camera& camera, const Calibration& calibration)
-    : longest_readout_(std::abs(readout_of(camera, calibration).value) +
-                       readout_of(camera, calibration).sigma),
-      recheck_(camera, calibration, readout_of(camera, calibration)) {}
+    : readout_(readout_of(camera, calibration)), recheck_(camera, calibration, readout_) {}
+
+double CalibrationWatch::longest_readout() const {
+  return std::abs(readout_.value) + readout_.sigma;
+}
 
 Result<RecheckReport> CalibrationWatch::add(const View& view, int place) {
   constexpr int kSteady = 4;  // views
   const std::optional<View> known = at_rest_or_moving(view, place);
-  Recheck alone = recheck_;  // remembers nothing of a view that tells nothing
-  auto report = known ? recheck_.add(*known) : alone.add(view);
+  auto report = known ? recheck_.add(*known) : without_telling(view);
   if (!report) return report;
-  if (known) {
-    in_a_row_ = is_change(*report) ? in_a_row_ + 1 : 0;
-  } else if (const RecheckReport before = recheck_.add(std::span<const View>());
-             before.region_sigma > 0) {
-    report->displacement = before.displacement;
-    report->displacement_sigma = before.displacement_sigma;
-    report->region_sigma = before.region_sigma;
-  }
+  if (known) in_a_row_ = is_change(*report) ? in_a_row_ + 1 : 0;
   if (in_a_row_ < kSteady) {
     report->displacement = 0;
     report->displacement_sigma = report->region_sigma;
   }
+  return report;
+}
+
+Result<RecheckReport> CalibrationWatch::without_telling(const View& view) const {
+  Recheck alone = recheck_;
+  const RecheckReport before = alone.add(std::span<const View>());
+  auto report = alone.add(view);
+  if (!report || !(before.region_sigma > 0)) return report;  // there was no view before
+  report->displacement = before.displacement;
+  report->displacement_sigma = before.displacement_sigma;
+  report->region_sigma = before.region_sigma;
   return report;
 }
 
@@ -83,12 +88,12 @@ std::optional<View> CalibrationWatch::at_rest_or_moving(const View& view, int pl
       !(between > 0) || between > kFarApart || has_jumped(moved, view.observation, between);
   // The first of several stills was one, too.
   if (are_stills && !before.before) (void)recheck_.add({std::move(before.seen), view.board});
-  if (are_stills || longest_readout_ / between * moved.all <= kAtRest) return view;
+  if (are_stills || longest_readout() / between * moved.all <= kAtRest) return view;
   if (!velocities ||
-      left_of_motion(view.observation, velocities->sigma, longest_readout_) > kAtRest) {
+      left_of_motion(view.observation, velocities->sigma, longest_readout()) > kAtRest) {
     return std::nullopt;
   }
-  return is_significant(*velocities) ? moving(view, *velocities, longest_readout_) : view;
+  return is_significant(*velocities) ? moving(view, *velocities, longest_readout()) : view;
 }
 
 }  // namespace calvin

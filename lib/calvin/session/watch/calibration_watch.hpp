@@ -34,7 +34,11 @@ class CalibrationWatch {
   // What tells of the camera in a view; absent where nobody knows how its board moved.
   [[nodiscard]] std::optional<View> at_rest_or_moving(const View& view, int place);
 
-  double longest_readout_;  // s
+  // What add() tells of a view that tells nothing of the camera, and is not remembered.
+  [[nodiscard]] Result<RecheckReport> without_telling(const View& view) const;
+  [[nodiscard]] double longest_readout() const;  // s
+
+  ReadoutTime readout_;
   Recheck recheck_;
   std::map<int, Sighting> before_;  // by place
   int in_a_row_ = 0;                // views that show a change
