@@ -5,8 +5,10 @@
 // meanwhile returns at once, and nothing of what it has ended is written, posted or announced.
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 
 #include "held_fixture.hpp"
 
@@ -275,6 +277,39 @@ GST_START_TEST(test_behind_a_held_message_a_flush_ends_what_is_told) {
 }
 GST_END_TEST;
 
+static std::mutex of_application;
+static std::atomic<int> changes;
+
+static void take_lock(GObject* /*element*/, GParamSpec* /*spec*/, gpointer /*unused*/) {
+  const std::lock_guard guard(of_application);
+  ++changes;
+}
+
+// What a command has changed is told where no lock of whoever gave it is held.
+GST_START_TEST(test_a_command_tells_what_it_changed_from_another_thread) {
+  HeldFixture f;
+  f.push_views(3);
+  for (int i = 0; i < 1000 && f.result("intermediate") == nullptr; ++i) g_usleep(10000);
+  for (int i = 0; i < 1000 && f.calibration().empty(); ++i) g_usleep(10000);
+  changes = 0;
+  g_signal_connect(f.element, "notify::calibration", G_CALLBACK(take_lock), nullptr);
+  {
+    const std::lock_guard guard(of_application);
+    g_signal_emit_by_name(f.element, "reset");
+  }
+  const auto views_told = [&f] {
+    int views = -1;
+    const auto told = f.bus.named("calib-progress");
+    if (!told.empty()) gst_structure_get_int(told.back(), "views", &views);
+    return views;
+  };
+  for (int i = 0; i < 1000 && (views_told() != 0 || changes == 0); ++i) g_usleep(10000);
+  fail_unless_equals_int(views_told(), 0);
+  fail_unless(changes > 0);
+  fail_unless(f.calibration().empty());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_a_final_result_that_a_removal_overtakes_is_still_owed) {
   HeldFixture f;
   f.push_views(12);
@@ -314,6 +349,7 @@ static Suite* calibsolve_held_suite() {
   tcase_add_test(tc, test_the_last_reference_does_not_wait_for_a_handler);
   tcase_add_loop_test(tc, test_behind_a_held_message_nothing_of_the_session_is_posted, 0, ends);
   tcase_add_test(tc, test_behind_a_held_message_a_flush_ends_what_is_told);
+  tcase_add_test(tc, test_a_command_tells_what_it_changed_from_another_thread);
   tcase_add_test(tc, test_a_final_result_that_a_removal_overtakes_is_still_owed);
   return suite;
 }
