@@ -19,6 +19,7 @@
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/solve/difference.hpp"
+#include "calvin/solve/judge/remarks.hpp"
 #include "calvin/solve/models/trials.hpp"
 #include "calvin/solve/split_halves.hpp"
 
@@ -131,6 +132,7 @@ void hold_rivals(Calibration& chosen, const std::vector<Trial>& trials) {
   if (!own || !chosen.expected_error_anywhere) return;
   const bool is_perspective = find_lens(chosen.model)->perspective;
   const double before = *chosen.expected_error_anywhere;
+  const auto remark = uncovered(chosen);
   DifferenceOptions options;
   options.focus = {chosen.covered};
   std::string words;
@@ -146,10 +148,11 @@ void hold_rivals(Calibration& chosen, const std::vector<Trial>& trials) {
     chosen.expected_error_anywhere = all;
     chosen.worst_place = apart->image.worst;
     words = fmt::format(
-        "Where no corner was seen {} and {} differ by {:.2g} px, most at {:.0f}, {:.0f}, though "
-        "both fit the views as well: show the board there.",
-        chosen.model, model, apart->image.max, apart->image.worst.u, apart->image.worst.v);
+        "Where no corner was seen {} and {} differ by {:.2g} px, though both fit the views as "
+        "well.",
+        chosen.model, model, apart->image.max);
   }
+  renew_uncovered(chosen, remark);
   if (*chosen.expected_error_anywhere > kGrown * before) {
     chosen.remarks.push_back(std::move(words));
   }

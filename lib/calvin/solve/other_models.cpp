@@ -18,6 +18,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/solve/auto_model.hpp"
 #include "calvin/solve/difference.hpp"
+#include "calvin/solve/judge/remarks.hpp"
 #include "calvin/solve/models/trials.hpp"
 #include "calvin/solve/split_halves.hpp"
 
@@ -68,6 +69,7 @@ void hold_difference(Calibration& calibration, const Calibration& better) {
   options.focus = {calibration.covered};
   const auto apart = difference(*own, *other, options);
   if (!apart) return;
+  const auto remark = uncovered(calibration);
   const auto held = [](std::optional<double>& promise, std::optional<double> of_other, double max) {
     if (!promise || !of_other) return 1.0;
     // Twice the promise is what a user is told.
@@ -82,6 +84,7 @@ void hold_difference(Calibration& calibration, const Calibration& better) {
   if (calibration.systematic) {
     calibration.systematic = 1 - (1 - *calibration.systematic) * share * share;
   }
+  renew_uncovered(calibration, remark);
 }
 
 // All candidates, from simple to rich; none where the richest of them are no better than `own`, and

@@ -4,9 +4,12 @@
 // model=auto over views of which little can be seen: nothing of them is lost.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calvin/solve/difference.hpp"
@@ -151,6 +154,17 @@ TEST(AutoModel, PromisesNothingOfWhatModelsDifferIn) {
     const double error = scenes::worst_error(calibration, camera, {});
     const double promise = 2 * calibration.expected_error_anywhere.value_or(HUGE_VAL);
     kept += error <= promise ? 1 : 0;
+    // One remark says where that is, with the same figure.
+    std::vector<std::string> places;
+    std::ranges::copy_if(calibration.remarks, std::back_inserter(places), [](const auto& remark) {
+      return remark.starts_with("No corner was seen");
+    });
+    ASSERT_EQ(places.size(), 1U);
+    const bool is_known = promise < 50;
+    EXPECT_NE(places[0].find(is_known ? fmt::format("accurate to {:.3g} px only", promise)
+                                      : "of which nothing is known"),
+              std::string::npos)
+        << places[0];
   }
   EXPECT_GE(kept, 0.85 * wrong);
 }

@@ -25,28 +25,6 @@ namespace {
 constexpr double kWeakFocalSigma = 0.02;   // of the focal length
 constexpr double kWeakCenterSigma = 0.02;  // of the image width
 
-// Where the picture is much worse than the part of it that corners covered.
-std::optional<std::string> uncovered(const Calibration& calibration) {
-  constexpr double kMuchWorse = 3;
-  constexpr double kWorthAView = 0.5;  // px
-  const auto& worst = calibration.worst_place;
-  const double anywhere = calibration.expected_error_anywhere.value_or(0);
-  const double covered = calibration.expected_error.value_or(0);
-  if (!worst || anywhere < std::max(kMuchWorse * covered, kWorthAView)) return std::nullopt;
-  const std::string place = part_of_picture(*worst, calibration.image_size);
-  if (anywhere > kNothingKnown) {
-    return fmt::format(
-        "No corner was seen in the {}, of which nothing is known; the picture is accurate to "
-        "{:.3g} "
-        "px among the corners: show the board there.",
-        place, 2 * covered);
-  }
-  return fmt::format(
-      "No corner was seen in the {}, where the picture is accurate to {:.3g} px only, against "
-      "{:.3g} px among the corners: show the board there.",
-      place, 2 * anywhere, 2 * covered);
-}
-
 // Pixels that are clearly no squares: cameras have such ones rarely.
 std::optional<std::string> oblong_pixels(const Calibration& calibration, const Eigen::MatrixXd& c,
                                          ParameterRange focal) {
@@ -196,6 +174,34 @@ std::string effect(Misfit::Cause cause, const PromiseParts& promise) {
 }
 
 }  // namespace
+
+std::optional<std::string> uncovered(const Calibration& calibration) {
+  constexpr double kMuchWorse = 3;
+  constexpr double kWorthAView = 0.5;  // px
+  const auto& worst = calibration.worst_place;
+  const double anywhere = calibration.expected_error_anywhere.value_or(0);
+  const double covered = calibration.expected_error.value_or(0);
+  if (!worst || anywhere < std::max(kMuchWorse * covered, kWorthAView)) return std::nullopt;
+  const std::string place = part_of_picture(*worst, calibration.image_size);
+  if (anywhere > kNothingKnown) {
+    return fmt::format(
+        "No corner was seen in the {}, of which nothing is known; the picture is accurate to "
+        "{:.3g} "
+        "px among the corners: show the board there.",
+        place, 2 * covered);
+  }
+  return fmt::format(
+      "No corner was seen in the {}, where the picture is accurate to {:.3g} px only, against "
+      "{:.3g} px among the corners: show the board there.",
+      place, 2 * anywhere, 2 * covered);
+}
+
+void renew_uncovered(Calibration& calibration, const std::optional<std::string>& before) {
+  auto& remarks = calibration.remarks;
+  auto at = before ? std::ranges::find(remarks, *before) : remarks.end();
+  if (at != remarks.end()) at = remarks.erase(at);
+  if (auto now = uncovered(calibration)) remarks.insert(at, *std::move(now));
+}
 
 Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi, double degrees,
               double rms, const PromiseParts& promise) {

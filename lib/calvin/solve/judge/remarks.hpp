@@ -40,6 +40,11 @@ struct PromiseParts {
 [[nodiscard]] std::string measured_otherwise(const std::vector<Eigen::Vector3d>& offsets,
                                              const BoardPattern& pattern);
 
+// The remark on what no corner covered, where the picture is much worse than among the corners.
+[[nodiscard]] std::optional<std::string> uncovered(const Calibration& calibration);
+// Puts it as it is now in the place of what it was `before` the promises were changed.
+void renew_uncovered(Calibration& calibration, const std::optional<std::string>& before);
+
 // Adds remarks on parameters that are weak but not refused, on what no corner covered, and on the
 // lens. `c` is the covariance of all unknowns.
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
