@@ -80,6 +80,18 @@ class Surface {
   }
   // The variance of a value of weight 1, measured by the residuals.
   [[nodiscard]] double variance() const { return variance_; }
+  // The variance of at(s), of the terms that were not left out.
+  [[nodiscard]] double variance_at(const LatticePlace& s) const {
+    Terms t = monomials<kDegree>(s);
+    double sum = 0;
+    for (int k = 0; k < kTerms; ++k) {
+      if (!(normal_(k, k) > 0)) continue;
+      t[k] /= normal_(k, k);
+      t.tail(kTerms - k - 1) -= t[k] * normal_.col(k).tail(kTerms - k - 1);
+      if (right_[k] != 0) sum += t[k] * t[k];
+    }
+    return variance_ * sum;
+  }
 
  private:
   // Powers of x times powers of y at a place, those of a lower degree first and in each degree

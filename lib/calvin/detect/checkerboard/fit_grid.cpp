@@ -5,8 +5,10 @@
 
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -122,13 +124,13 @@ class Line {
 // The error of a fitted place per bend of an edge that the fit took for straight, px^2. The place
 // is off by the mean of u^2 / 2 over the part of the window in which the edge can be seen (u: way
 // along the edge from the corner, px), and by the square of the blur over 2.
-double error_per_bend(const SaddleFit& fit, float width_along) {
+double error_per_bend(const SaddleFit& fit, bool of_row) {
   // Widths of the crossing edge within which the edge is not seen: the integral of 1 - e(x)^2 over
   // x > 0, which is 2 / sqrt(pi).
   constexpr double kDark = 1.13;
   constexpr double kLeastReach = 2;  // widths
   const auto radius = static_cast<double>(fit.radius);
-  const auto width = static_cast<double>(width_along);
+  const auto width = static_cast<double>(of_row ? fit.down_width : fit.along_width);
   const double seen = std::max(radius - kDark * width, kLeastReach * width);
   return radius * radius * radius / (6 * seen) + 0.5 * width * width;
 }
@@ -146,6 +148,33 @@ bool ends_agree(std::span<const PlacedValue> ends, const Surface<5>& between) {
   return sum <= kMost * between.variance() * static_cast<double>(ends.size());
 }
 
+// The bend with which windows of two sizes find a node at one place: the larger one depends on it
+// more. Where squares are large this tells the bends at the ends of lines, at which neighbours do
+// not; directions of edges would, too, but for light or ink that makes squares larger and turns
+// them.
+std::optional<PlacedValue> bend_of_both(const Lattice& lattice, const Line& line, Cell c,
+                                        const SaddleFit& inner, const SaddleFit& outer) {
+  if (!(inner.radius > 0) || inner.at_border || outer.at_border) return std::nullopt;
+  const bool is_row = line.is_row();
+  const double of_inner = error_per_bend(inner, is_row);
+  const double of_outer = error_per_bend(outer, is_row);
+  const auto bend = [&](const SaddleFit& fit) {
+    return static_cast<double>(is_row ? fit.along_bend : fit.down_bend);
+  };
+  const Direction side = line.normal(c);
+  const double apart = (inner.x - outer.x) * static_cast<double>(side.x) +
+                       (inner.y - outer.y) * static_cast<double>(side.y);
+  const double more = of_inner - of_outer;
+  // The larger window has the pixels of the smaller one, so that their variances subtract.
+  const auto square = [](float sigma) { return static_cast<double>(sigma * sigma); };
+  constexpr double kLeast = 0.2;  // of the larger window's variance
+  const double variance =
+      std::max(square(inner.sigma) - square(outer.sigma), kLeast * square(outer.sigma));
+  return PlacedValue{lattice.place(c),
+                     (apart + of_inner * bend(inner) - of_outer * bend(outer)) / more,
+                     more * more / variance};
+}
+
 // Sets the bends of all rows, or of all columns, to the values of the surface, and moves each fit
 // to where a fit with that bend will find its corner.
 template <int kDegree>
@@ -161,8 +190,7 @@ void take_bends(const Lattice& lattice, Cell step, const Line& line,
     const double bend = surface.at(lattice.place(c)) - kOfChange * change;
     SaddleFit& f = fits.at(c);
     float& own = line.is_row() ? f.along_bend : f.down_bend;
-    const double move = error_per_bend(f, line.is_row() ? f.down_width : f.along_width) *
-                        (static_cast<double>(own) - bend);
+    const double move = error_per_bend(f, line.is_row()) * (static_cast<double>(own) - bend);
     const Direction side = line.normal(c);
     f.x += move * static_cast<double>(side.x);
     f.y += move * static_cast<double>(side.y);
@@ -199,6 +227,27 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   take_bends(lattice, step, line, surface, fits);
 }
 
+// set_bends_of() with what windows of two sizes tell; the sigmas of the fits get what is uncertain
+// of the bends.
+void correct_bends_of(const Lattice& lattice, Cell step, const FitGrid& inner, FitGrid& fits) {
+  const Line line(lattice, fits, step);
+  std::vector<PlacedValue> bends;
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    if (line.has_both(c)) bends.push_back({line.place(c), line.bend(c), 1 / line.variance(c)});
+    const auto both = bend_of_both(lattice, line, c, inner.at(c), fits.at(c));
+    if (both) bends.push_back(*both);
+  });
+  const auto surface = surface_over<5>(lattice, bends, 1);
+  take_bends(lattice, step, line, surface, fits);
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    SaddleFit& f = fits.at(c);
+    const double of_bend = error_per_bend(f, line.is_row());
+    // The sigma of a coordinate, of which the bend of each edge tells one.
+    const double variance = 0.5 * of_bend * of_bend * surface.variance_at(lattice.place(c));
+    f.sigma = std::hypot(f.sigma, static_cast<float>(std::sqrt(variance)));
+  });
+}
+
 }  // namespace
 
 void set_bends(const Lattice& lattice, FitGrid& fits) {
@@ -209,6 +258,24 @@ void set_bends(const Lattice& lattice, FitGrid& fits) {
     set_bends_of(lattice, {1, 0}, fits);
     set_bends_of(lattice, {0, 1}, fits);
   }
+}
+
+bool are_bent(const Lattice& lattice, const FitGrid& fits) {
+  constexpr double kBent = 0.03;  // px, by which a bend moves a corner: a tenth of it is little
+  bool bent = false;
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    const SaddleFit& f = fits.at(c);
+    const double most =
+        std::max(error_per_bend(f, true) * std::abs(static_cast<double>(f.along_bend)),
+                 error_per_bend(f, false) * std::abs(static_cast<double>(f.down_bend)));
+    bent = bent || most > kBent;
+  });
+  return bent;
+}
+
+void correct_bends(const Lattice& lattice, const FitGrid& inner, FitGrid& fits) {
+  correct_bends_of(lattice, {1, 0}, inner, fits);
+  correct_bends_of(lattice, {0, 1}, inner, fits);
 }
 
 void set_slopes(const Lattice& lattice, FitGrid& fits) {

@@ -67,6 +67,15 @@ class FitGrid {
 // with these bends will find its corner.
 void set_bends(const Lattice& lattice, FitGrid& fits);
 
+// Whether edges are bent so much, for their windows, that it matters how well the bends at the
+// ends of lines are known.
+[[nodiscard]] bool are_bent(const Lattice& lattice, const FitGrid& fits);
+
+// Sets the bends anew, from the neighbours and from `inner`, which are fits of the same nodes in
+// smaller windows (a radius of 0: none), and moves each fit to where a fit with these bends would
+// find its corner. Sigmas grow by what is uncertain of the bends.
+void correct_bends(const Lattice& lattice, const FitGrid& inner, FitGrid& fits);
+
 // Sets the slopes of level and contrast, from the levels and contrasts of all fits.
 void set_slopes(const Lattice& lattice, FitGrid& fits);
 

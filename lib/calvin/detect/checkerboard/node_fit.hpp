@@ -76,6 +76,10 @@ void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected);
 // From a node to where it was fitted, px.
 [[nodiscard]] float distance(const SaddleFit& fit, const Node& node);
 
+// A fit in the middle of the window of another one; its radius is 0 where that window is too small
+// or where there is none.
+[[nodiscard]] SaddleFit inner_fit(const ImageView& image, const SaddleFit& outer);
+
 // Moves a node to where it was fitted.
 void take(const SaddleFit& fit, Node& node);
 

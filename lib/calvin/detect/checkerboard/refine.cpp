@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/detect/checkerboard/node_fit.hpp"
@@ -338,6 +339,15 @@ void Refinement::refine_in_noise(const ImageView& image, Lattice& lattice) {
   refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
 }
 
+bool Refinement::correct_bends_in(const ImageView& image, Lattice& lattice) {
+  if (!are_bent(lattice, fits_)) return false;
+  inner_fits_.reset(lattice.extent());
+  lattice.for_each([&](Cell c, const Node&) { inner_fits_.at(c) = inner_fit(image, at(c)); });
+  correct_bends(lattice, inner_fits_, fits_);
+  lattice.for_each([&](Cell c, const Node& /*node*/) { take(at(c), lattice.at(c)); });
+  return true;
+}
+
 bool Refinement::refine(const ImageView& image, Lattice& lattice, std::span<const Cell> board) {
   const int before = lattice.count();
   begin(lattice);
@@ -353,6 +363,7 @@ bool Refinement::refine(const ImageView& image, Lattice& lattice, std::span<cons
     set_bends(lattice, fits_);
     set_slopes(lattice, fits_);
     refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
+    std::ignore = correct_bends_in(image, lattice);
   }
   if (lattice.count() < kFewestToRefine) return false;
   drop_uncertain(lattice);
@@ -373,12 +384,13 @@ bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lat
   });
   usual_noise_ = fits_.median(lattice, [](const SaddleFit& f) { return f.noise / f.swing(); });
   refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
+  const bool has_bends = correct_bends_in(image, lattice);
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice, slack(lattice));
   if (lattice.count() < count) return false;
   // Bends and slopes for the next frame. The fits have used those of the frame before, and are
   // moved to where fits with their own bends would be.
-  set_bends(lattice, fits_);
+  if (!has_bends) set_bends(lattice, fits_);
   set_slopes(lattice, fits_);
   return true;
 }

@@ -62,6 +62,9 @@ class Refinement {
   // Fits all nodes by fit_again(cell), moves them there and removes nodes that fail the tests.
   template <typename F>
   void refit(Lattice& lattice, F fit_again);
+  // Sets the bends of large squares anew by what windows of two sizes tell. False where that does
+  // not matter.
+  [[nodiscard]] bool correct_bends_in(const ImageView& image, Lattice& lattice);
   // The most noise of a corner, of the contrast.
   [[nodiscard]] float most_noise() const;
   void drop_misfits(Lattice& lattice);
@@ -84,6 +87,7 @@ class Refinement {
   void recover_lost(const ImageView& image, Lattice& lattice, std::span<const Cell> board);
 
   FitGrid fits_;
+  FitGrid inner_fits_;       // in smaller windows
   std::vector<Cell> cells_;  // of the nodes to begin with
   float usual_noise_ = 0;    // median of noise over contrast
   bool in_noise_ = false;

@@ -124,24 +124,37 @@ void StrayCorners::take_differences(const Lattice& lattice) {
   }
 }
 
+// The median of sorted_, which is not empty.
+float StrayCorners::middle() {
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  return *middle;
+}
+
 // The tolerance of each order is a multiple of its median over the board, which perspective and
-// lens make large or small.
+// lens make large or small. A small board has few differences of an order: there all of them
+// together tell by how much they are larger than presumed.
 void StrayCorners::set_tolerances() {
+  sorted_.clear();
+  for (const Difference& d : differences_) {
+    sorted_.push_back(std::hypot(d.x, d.y) / d.spacing / kPresumed[d.count - 1]);
+  }
+  const float of_presumed = sorted_.empty() ? 0 : middle();
   for (int count = static_cast<int>(kFewest); count <= static_cast<int>(kMost); ++count) {
     sorted_.clear();
     for (const Difference& d : differences_) {
       if (d.count == count) sorted_.push_back(std::hypot(d.x, d.y) / d.spacing);
     }
-    float share = kPresumed[count - 1];
+    const float presumed = kPresumed[count - 1];
+    float share = std::clamp(kUnusual * of_presumed * presumed, presumed, kMostUsual[count - 1]);
     if (sorted_.size() >= kFewForMedian) {
-      const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-      std::nth_element(sorted_.begin(), middle, sorted_.end());
+      const float usual = middle();
       // A board that fills the picture of a fisheye has squares of very different sizes.
-      const float most = std::max(kMostUsual[count - 1], std::min(kHigh * *middle, kHighest));
-      share = std::clamp(kUnusual * *middle, kLeastUsual[count - 1], most);
+      const float most = std::max(kMostUsual[count - 1], std::min(kHigh * usual, kHighest));
+      share = std::clamp(kUnusual * usual, kLeastUsual[count - 1], most);
       // No board is bent by so much that three of its corners would confirm nothing.
       if (count == static_cast<int>(kFewest)) {
-        share = std::min(share, std::max(kPresumed[count - 1], kRough * *middle));
+        share = std::min(share, std::max(presumed, kRough * usual));
       }
     }
     for (Difference& d : differences_) {
@@ -153,19 +166,28 @@ void StrayCorners::set_tolerances() {
   }
 }
 
-// Whether parallel lines nearby have a similar difference: towards the rim of a fisheye's picture
-// lines bend ever more, but neighbours alike.
+// Whether parallel lines nearby have a similar difference, or the two next to it on one side lead
+// to it: towards the rim of a fisheye's picture lines bend ever more, but neighbours alike.
 bool StrayCorners::is_like_its_neighbours(const Difference& d) const {
   const Cell aside = {d.step.row, d.step.col};
   const float tolerance = std::max(d.tolerance, kLike * std::hypot(d.x, d.y));
-  const auto alike = std::count_if(differences_.begin(), differences_.end(), [&](const auto& o) {
-    if (!(o.step == d.step) || o.places != d.places) return false;
+  const Difference* near[2 * kLinesAside + 1] = {};
+  int alike = 0;
+  for (const Difference& o : differences_) {
+    if (!(o.step == d.step) || o.places != d.places) continue;
     const Cell way = o.cells[0] - d.cells[0];
     const int lines = way.col * aside.col + way.row * aside.row;
-    return lines != 0 && std::abs(lines) <= kLinesAside &&
-           std::hypot(o.x - d.x, o.y - d.y) <= tolerance;
-  });
-  return alike >= kFewestAlike;
+    if (lines == 0 || std::abs(lines) > kLinesAside) continue;
+    near[kLinesAside + lines] = &o;
+    alike += std::hypot(o.x - d.x, o.y - d.y) <= tolerance ? 1 : 0;
+  }
+  const auto leads_to_it = [&](int side) {
+    const Difference* const next = near[kLinesAside + side];
+    const Difference* const after = near[kLinesAside + 2 * side];
+    return next && after &&
+           std::hypot(2 * next->x - after->x - d.x, 2 * next->y - after->y - d.y) <= tolerance;
+  };
+  return alike >= kFewestAlike || leads_to_it(1) || leads_to_it(-1);
 }
 
 void StrayCorners::collect_verdicts(const CellRange& extent) {
@@ -190,9 +212,7 @@ void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
   sorted_.clear();
   lattice.for_each([&](Cell /*c*/, const Node& node) { sorted_.push_back(node.sigma); });
   if (sorted_.empty()) return;
-  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
-  usual_sigma_ = *middle;
+  usual_sigma_ = middle();
   for (;;) {
     const CellRange extent = lattice.extent();
     take_differences(lattice);

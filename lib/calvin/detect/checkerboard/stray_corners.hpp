@@ -57,6 +57,7 @@ class StrayCorners {
   void take_differences(const Lattice& lattice);
   void take_line(const Lattice& lattice, Cell first, Cell step, int count);
   void add(const Lattice& lattice, Cell first, Cell step, std::span<const int> places);
+  [[nodiscard]] float middle();
   void set_tolerances();
   [[nodiscard]] bool is_like_its_neighbours(const Difference& d) const;
   void collect_verdicts(const CellRange& extent);

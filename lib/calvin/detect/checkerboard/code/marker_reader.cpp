@@ -16,7 +16,26 @@ namespace calvin::detect {
 
 namespace {
 
-// A square of a lattice in the picture.
+// How the places of a line bend from one node to the next, px: their second difference, where steps
+// are alike. The mean of those about both nodes; 0 where the line is too short.
+Direction bend_between(const Lattice& lattice, Cell from, Cell step) {
+  Direction sum = {0, 0};
+  if (!lattice.has_even_steps()) return sum;
+  float count = 0;
+  for (const Cell c : {from, from + step}) {
+    if (!lattice.has(c - step) || !lattice.has(c + step)) continue;
+    const Node& before = lattice.at(c - step);
+    const Node& here = lattice.at(c);
+    const Node& after = lattice.at(c + step);
+    sum.x += before.x - 2 * here.x + after.x;
+    sum.y += before.y - 2 * here.y + after.y;
+    count += 1;
+  }
+  return count > 0 ? Direction{sum.x / count, sum.y / count} : sum;
+}
+
+// A square of a lattice in the picture. Its sides are bent as the lines of nodes are that they are
+// part of, by perspective and by the lens.
 class Square {
  public:
   // The one whose upper left corner is the node of `cell`. Absent where fewer than two of its
@@ -37,6 +56,12 @@ class Square {
       square.corners_[i] = {expected->x, expected->y};
     }
     if (known < 2) return std::nullopt;
+    // What is expected of a corner is too far off for that.
+    for (std::size_t i = 0; i < 2 && known == 4; ++i) {
+      const int far = static_cast<int>(i);
+      square.along_bend_[i] = bend_between(lattice, cell + Cell{0, far}, {1, 0});
+      square.down_bend_[i] = bend_between(lattice, cell + Cell{far, 0}, {0, 1});
+    }
     return square;
   }
 
@@ -46,14 +71,19 @@ class Square {
   // At (s, t), 0..1 from its upper left corner along the row and down.
   [[nodiscard]] std::optional<float> grey(const ImageView& image, float s, float t) const {
     const auto place = [&](float Direction::*of) {
+      const float along = std::lerp(along_bend_[0].*of, along_bend_[1].*of, t);
+      const float down = std::lerp(down_bend_[0].*of, down_bend_[1].*of, s);
       return std::lerp(std::lerp(corners_[0].*of, corners_[1].*of, s),
-                       std::lerp(corners_[2].*of, corners_[3].*of, s), t);
+                       std::lerp(corners_[2].*of, corners_[3].*of, s), t) -
+             0.5F * (s * (1 - s) * along + t * (1 - t) * down);
     };
     return grey_at(image, place(&Direction::x), place(&Direction::y));
   }
 
  private:
   std::array<Direction, 4> corners_{};
+  std::array<Direction, 2> along_bend_{};  // of the upper and of the lower side
+  std::array<Direction, 2> down_bend_{};   // of the left and of the right side
   float contrast_ = 0;
 };
 
@@ -154,6 +184,11 @@ std::optional<float> measure_marker(const ImageView& image, const Lattice& latti
     before = now;
   }
   return std::nullopt;
+}
+
+bool is_whole_square(const Lattice& lattice, Cell at) {
+  return lattice.has(at) && lattice.has(at + Cell{1, 0}) && lattice.has(at + Cell{0, 1}) &&
+         lattice.has(at + Cell{1, 1});
 }
 
 void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const MarkerShape& shape,

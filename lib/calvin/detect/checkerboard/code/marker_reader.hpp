@@ -25,6 +25,9 @@ struct MarkerShape {
 // That of a ChArUco board whose markers have so large a share of a square's side.
 [[nodiscard]] MarkerShape marker_shape(float share, int side, bool inverted);
 
+// Whether all four corners of the square are there whose upper left corner is the node of `at`.
+[[nodiscard]] bool is_whole_square(const Lattice& lattice, Cell at);
+
 // Reads the bits of the marker in the square whose upper left corner is the node of cell `at`, in
 // rows, where it may hold one. Appends to `bits`.
 void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const MarkerShape& shape,

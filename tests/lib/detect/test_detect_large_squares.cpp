@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Large squares before strong lenses: a window that takes in much of an edge depends on how the
+// edge bends, which at the ends of short lines no neighbours tell.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/detect/detector.hpp"
+#include "calvin/synth/render.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::Random;
+using scenes::uniform;
+
+constexpr ImageSize kPicture = {1280, 720};
+
+struct Large {
+  const char* name;
+  const char* board;
+  const char* model;
+  double gamma;  // of the camera: with 1, grey levels are proportional to the light
+};
+
+void PrintTo(const Large& large, std::ostream* out) { *out << large.name; }
+
+Camera camera_of(const Large& large) {
+  const auto make = [](const char* model, const std::vector<double>& parameters) {
+    return Camera::make(model, kPicture, parameters).value();
+  };
+  if (std::string(large.model) == "fisheye") {
+    return make("fisheye", {420, 421, 633, 366, -0.012, 0.004, -0.002, 0.0002});
+  }
+  return make("brown5", {760, 762, 651.2, 352.4, -0.3, 0.115, -0.0004, 0.0005, -0.018});
+}
+
+// A board that is `least` to `most` of the picture wide, turned towards the camera roughly; all of
+// it is seen.
+SE3 pose_of(const Camera& camera, const Board& board, double least, double most, Random& random) {
+  const Eigen::Vector3d middle = board.points().back() / 2;
+  for (;;) {
+    const auto ray = camera.unproject({uniform(random, 300, 980), uniform(random, 200, 520)});
+    if (!ray) continue;
+    const double tilt = uniform(random, 0, 40) * std::numbers::pi / 180;
+    const double side = uniform(random, 0, 2 * std::numbers::pi);
+    const double extent = uniform(random, least, most) * kPicture.width;
+    const Eigen::Matrix3d turn = rotation_between(Eigen::Vector3d::UnitZ(), *ray) *
+                                 exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
+                                 exp_so3({0, 0, uniform(random, -3, 3)});
+    const double far = camera.fx() * (2 * middle).norm() / extent;
+    const SE3 pose = {turn, *ray * far - turn * middle};
+    if (true_observation(camera, board, pose).ids.size() == board.points().size()) return pose;
+  }
+}
+
+// What a camera of this gamma shows; bright squares look larger then.
+GrayImage as_shown(GrayImage image, double gamma, Random& random) {
+  std::normal_distribution<double> noise(0, 1);
+  for (std::uint8_t& pixel : image.pixels) {
+    const double grey = 255 * std::pow(pixel / 255.0, 1 / gamma) + noise(random);
+    pixel = static_cast<std::uint8_t>(std::lround(std::clamp(grey, 0.0, 255.0)));
+  }
+  return image;
+}
+
+class LargeSquares : public ::testing::TestWithParam<Large> {};
+INSTANTIATE_TEST_SUITE_P(
+    Pictures, LargeSquares,
+    ::testing::Values(
+        Large{"CharucoBeforeFisheye", "charuco:5x7:35mm:26mm:DICT_5X5_100", "fisheye", 1},
+        Large{"CharucoOfAGamma", "charuco:5x7:35mm:26mm:DICT_5X5_100", "fisheye", 2.2},
+        Large{"CharucoBeforeBarrel", "charuco:5x7:35mm:26mm:DICT_5X5_100", "barrel", 2.2},
+        Large{"SquaresBeforeFisheye", "checkerboard:5x4:35mm", "fisheye", 1},
+        Large{"SquaresOfAGamma", "checkerboard:5x4:35mm", "fisheye", 2.2},
+        Large{"SquaresBeforeBarrel", "checkerboard:5x4:35mm", "barrel", 1}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(LargeSquares, AreAsFarOffAsTheySay) {
+  const Large& large = GetParam();
+  const Board board = parse_board(large.board).value();
+  const Camera camera = camera_of(large);
+  const BoardRenderer renderer(camera);
+  const auto detector = std::move(*make_detector(board));
+  Random random(71);
+  double chi = 0;
+  double square = 0;
+  int corners = 0;
+  const int views = scenes::full_count() ? 60 : 12;
+  int found = 0;
+  for (int n = 0; n < views; ++n) {
+    const SE3 pose = pose_of(camera, board, 0.35, 0.6, random);
+    const Observation truth = true_observation(camera, board, pose);
+    const GrayImage image =
+        as_shown(renderer.render(board, pose, {.blur = 0.5}), large.gamma, random);
+    const Observation seen = detector->detect(image.view()).observation;
+    if (!seen.found()) continue;
+    ++found;
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      const Pixel at = truth.uv[static_cast<std::size_t>(seen.ids[i])];
+      const double off = std::pow(seen.uv[i].u - at.u, 2) + std::pow(seen.uv[i].v - at.v, 2);
+      square += off / 2;
+      chi += off / 2 / (seen.sigma[i] * seen.sigma[i]);
+      ++corners;
+    }
+  }
+  chi = std::sqrt(chi / corners);
+  std::cout << "  " << found << " of " << views << ", RMS " << std::sqrt(square / corners)
+            << " px, errors over sigmas " << chi << '\n';
+  EXPECT_GE(found, views * 9 / 10);
+  EXPECT_LT(std::sqrt(square / corners), large.gamma > 1 ? 0.01 : 0.004);
+  EXPECT_LT(chi, large.gamma > 1 ? 1.5 : 1.25);
+  EXPECT_GT(chi, 0.6);
+}
+
+// A board before a fisheye that fills the picture, whose squares differ by far in size.
+class FillsThePicture : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Boards, FillsThePicture,
+                         ::testing::Values("charuco:5x7:35mm:26mm:DICT_5X5_100",
+                                           "charuco:7x6:30mm:20mm:DICT_6X6_250:legacy",
+                                           "puzzle:6x5:30mm", "checkerboard:7x6:25mm"));
+
+TEST_P(FillsThePicture, AndIsFound) {
+  const Board board = parse_board(GetParam()).value();
+  const Camera camera = camera_of({"", "", "fisheye", 1});
+  const BoardRenderer renderer(camera);
+  const auto detector = std::move(*make_detector(board));
+  Random random(5);
+  const int views = scenes::full_count() ? 200 : 40;
+  int found = 0;
+  for (int n = 0; n < views; ++n) {
+    const SE3 pose = pose_of(camera, board, 0.6, 0.9, random);
+    const GrayImage image = as_shown(renderer.render(board, pose, {.blur = 0.5}), 1, random);
+    found += detector->detect(image.view()).observation.found() ? 1 : 0;
+  }
+  std::cout << "  " << found << " of " << views << '\n';
+  EXPECT_GE(found, views * 9 / 10);
+}
+
+}  // namespace
+}  // namespace calvin
