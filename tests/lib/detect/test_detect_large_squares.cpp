@@ -27,32 +27,39 @@ constexpr ImageSize kPicture = {1280, 720};
 struct Large {
   const char* name;
   const char* board;
-  const char* model;
+  const char* lens;
   double gamma;  // of the camera: with 1, grey levels are proportional to the light
 };
 
 void PrintTo(const Large& large, std::ostream* out) { *out << large.name; }
 
-Camera camera_of(const Large& large) {
+Camera camera_of(const std::string& lens) {
   const auto make = [](const char* model, const std::vector<double>& parameters) {
     return Camera::make(model, kPicture, parameters).value();
   };
-  if (std::string(large.model) == "fisheye") {
+  if (lens == "mild") return default_camera(kPicture);
+  if (lens == "fisheye") {
     return make("fisheye", {420, 421, 633, 366, -0.012, 0.004, -0.002, 0.0002});
   }
   return make("brown5", {760, 762, 651.2, 352.4, -0.3, 0.115, -0.0004, 0.0005, -0.018});
 }
 
-// A board that is `least` to `most` of the picture wide, turned towards the camera roughly; all of
-// it is seen.
-SE3 pose_of(const Camera& camera, const Board& board, double least, double most, Random& random) {
+// A board that is `least` to `most` of the picture wide, up to `tilt` degrees from the line of
+// sight; all of it is seen.
+struct Poses {
+  double least = 0.35;
+  double most = 0.6;
+  double tilt = 40;
+};
+
+SE3 pose_of(const Camera& camera, const Board& board, const Poses& poses, Random& random) {
   const Eigen::Vector3d middle = board.points().back() / 2;
   for (;;) {
     const auto ray = camera.unproject({uniform(random, 300, 980), uniform(random, 200, 520)});
     if (!ray) continue;
-    const double tilt = uniform(random, 0, 40) * std::numbers::pi / 180;
+    const double tilt = uniform(random, 0, poses.tilt) * std::numbers::pi / 180;
     const double side = uniform(random, 0, 2 * std::numbers::pi);
-    const double extent = uniform(random, least, most) * kPicture.width;
+    const double extent = uniform(random, poses.least, poses.most) * kPicture.width;
     const Eigen::Matrix3d turn = rotation_between(Eigen::Vector3d::UnitZ(), *ray) *
                                  exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
                                  exp_so3({0, 0, uniform(random, -3, 3)});
@@ -87,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(LargeSquares, AreAsFarOffAsTheySay) {
   const Large& large = GetParam();
   const Board board = parse_board(large.board).value();
-  const Camera camera = camera_of(large);
+  const Camera camera = camera_of(large.lens);
   const BoardRenderer renderer(camera);
   const auto detector = std::move(*make_detector(board));
   Random random(71);
@@ -97,7 +104,7 @@ TEST_P(LargeSquares, AreAsFarOffAsTheySay) {
   const int views = scenes::full_count() ? 60 : 12;
   int found = 0;
   for (int n = 0; n < views; ++n) {
-    const SE3 pose = pose_of(camera, board, 0.35, 0.6, random);
+    const SE3 pose = pose_of(camera, board, {}, random);
     const Observation truth = true_observation(camera, board, pose);
     const GrayImage image =
         as_shown(renderer.render(board, pose, {.blur = 0.5}), large.gamma, random);
@@ -121,23 +128,40 @@ TEST_P(LargeSquares, AreAsFarOffAsTheySay) {
   EXPECT_GT(chi, 0.6);
 }
 
-// A board before a fisheye that fills the picture, whose squares differ by far in size.
-class FillsThePicture : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Boards, FillsThePicture,
-                         ::testing::Values("charuco:5x7:35mm:26mm:DICT_5X5_100",
-                                           "charuco:7x6:30mm:20mm:DICT_6X6_250:legacy",
-                                           "puzzle:6x5:30mm", "checkerboard:7x6:25mm"));
+// Boards from close by, whose squares differ by far in size: before a fisheye whose picture they
+// fill, and small ones at a slant.
+struct CloseBy {
+  const char* name;
+  const char* board;
+  const char* lens;
+  Poses poses;
+};
 
-TEST_P(FillsThePicture, AndIsFound) {
-  const Board board = parse_board(GetParam()).value();
-  const Camera camera = camera_of({"", "", "fisheye", 1});
+void PrintTo(const CloseBy& close_by, std::ostream* out) { *out << close_by.name; }
+
+class FromCloseBy : public ::testing::TestWithParam<CloseBy> {};
+INSTANTIATE_TEST_SUITE_P(
+    Boards, FromCloseBy,
+    ::testing::Values(
+        CloseBy{"Charuco", "charuco:5x7:35mm:26mm:DICT_5X5_100", "fisheye", {0.6, 0.9, 40}},
+        CloseBy{"Legacy", "charuco:7x6:30mm:20mm:DICT_6X6_250:legacy", "fisheye", {0.6, 0.9, 40}},
+        CloseBy{"Puzzle", "puzzle:6x5:30mm", "fisheye", {0.6, 0.9, 40}},
+        CloseBy{"Squares", "checkerboard:7x6:25mm", "fisheye", {0.6, 0.9, 40}},
+        CloseBy{"SmallCharuco", "charuco:4x4:35mm:26mm:DICT_4X4_50", "mild", {0.35, 0.6, 60}},
+        CloseBy{"SmallSquares", "checkerboard:4x3:35mm", "mild", {0.35, 0.6, 60}}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(FromCloseBy, AreFound) {
+  const CloseBy& close_by = GetParam();
+  const Board board = parse_board(close_by.board).value();
+  const Camera camera = camera_of(close_by.lens);
   const BoardRenderer renderer(camera);
   const auto detector = std::move(*make_detector(board));
   Random random(5);
   const int views = scenes::full_count() ? 200 : 40;
   int found = 0;
   for (int n = 0; n < views; ++n) {
-    const SE3 pose = pose_of(camera, board, 0.6, 0.9, random);
+    const SE3 pose = pose_of(camera, board, close_by.poses, random);
     const GrayImage image = as_shown(renderer.render(board, pose, {.blur = 0.5}), 1, random);
     found += detector->detect(image.view()).observation.found() ? 1 : 0;
   }

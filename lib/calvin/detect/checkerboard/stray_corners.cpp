@@ -8,6 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calvin/detect/checkerboard/node_fit.hpp"
+#include "calvin/geometry/homography.hpp"
+
 namespace calvin::detect {
 
 namespace {
@@ -206,6 +209,36 @@ void StrayCorners::collect_verdicts(const CellRange& extent) {
   }
 }
 
+// Whether the nodes of a small board are where perspective alone has them: from close by, it makes
+// differences of three nodes as large as a stray one would.
+bool StrayCorners::are_in_perspective(const Lattice& lattice) const {
+  constexpr int kSmall = 16;     // nodes
+  constexpr int kFewest = 8;     // a stray one of fewer would be followed
+  constexpr float kOff = 0.04F;  // of the spacing
+  if (lattice.count() < kFewest || lattice.count() > kSmall) return false;
+  std::vector<Pixel> places;
+  std::vector<Pixel> nodes;
+  bool certain = true;
+  lattice.for_each([&](Cell c, const Node& node) {
+    const LatticePlace at = lattice.place(c);
+    places.push_back({at.col, at.row});
+    nodes.push_back({static_cast<double>(node.x), static_cast<double>(node.y)});
+    certain = certain && node.sigma <= std::max(kUncertainTimes * usual_sigma_, kUncertainLeast);
+  });
+  const auto homography = fit_homography(places, nodes);
+  if (!certain || !homography) return false;
+  std::size_t i = 0;
+  bool all = true;
+  lattice.for_each([&](Cell c, const Node& node) {
+    const Pixel at = transform(*homography, places[i]);
+    const double off = std::hypot(at.u - nodes[i].u, at.v - nodes[i].v);
+    const auto noise = static_cast<double>(kSigmas * std::hypot(node.sigma, slack_));
+    all = all && off <= static_cast<double>(kOff * spacing_at(lattice, c)) + noise;
+    ++i;
+  });
+  return all;
+}
+
 void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
   slack_ = std::max(slack.place, kSlack);
   few_nodes_ = slack.of_spacing > kLargeSlack;
@@ -213,6 +246,7 @@ void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
   lattice.for_each([&](Cell /*c*/, const Node& node) { sorted_.push_back(node.sigma); });
   if (sorted_.empty()) return;
   usual_sigma_ = middle();
+  if (are_in_perspective(lattice)) return;
   for (;;) {
     const CellRange extent = lattice.extent();
     take_differences(lattice);

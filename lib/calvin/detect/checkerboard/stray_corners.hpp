@@ -60,6 +60,7 @@ class StrayCorners {
   [[nodiscard]] float middle();
   void set_tolerances();
   [[nodiscard]] bool is_like_its_neighbours(const Difference& d) const;
+  [[nodiscard]] bool are_in_perspective(const Lattice& lattice) const;
   void collect_verdicts(const CellRange& extent);
 
   std::vector<Difference> differences_;
