@@ -68,7 +68,7 @@ bool is_telling(std::string_view name) { return name == "left" || name == "picam
 TEST(AutoOfRealSets, TakesAModelThatHalvesAgreeOn) {
   constexpr double kAsGood = 1.03;  // times the best distance of views held out
   constexpr double kAgree = 1.2;    // times the best difference of halves
-  const int count = scenes::full_count() ? 40 : 5;
+  const int count = scenes::full_count() ? 40 : 12;
   // Halves are drawn by lot here and in the library: each other ones.
   const double luck = scenes::full_count() ? 1.1 : 1.4;
   std::string missing;

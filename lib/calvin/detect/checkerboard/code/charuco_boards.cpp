@@ -94,7 +94,15 @@ struct Placing {
   int last_row = 0;  // of those markers
 };
 
-Placing place(std::span<const SeenMarker> markers, int cols, bool marker_first) {
+// Whether the control points of a board with its upper left square there hold all of a lattice's
+// columns, and its first rows.
+bool holds(Cell origin, int cols, const CellRange& extent) {
+  return extent.first.col > origin.col && extent.first.row > origin.row &&
+         extent.last.col < origin.col + cols;
+}
+
+Placing place(std::span<const SeenMarker> markers, int cols, bool marker_first,
+              const CellRange& extent) {
   const CharucoBoard board = endless_board(cols, marker_first);
   const auto square_of = [&](const SeenMarker& m) {
     const GridPlace square = board.square_of(m.id);
@@ -103,6 +111,7 @@ Placing place(std::span<const SeenMarker> markers, int cols, bool marker_first) 
   Placing best{cols, marker_first, {}, 0, 0};
   for (const SeenMarker& one : markers) {
     Placing placing{cols, marker_first, one.cell - square_of(one), 0, 0};
+    if (!holds(placing.origin, cols, extent)) continue;
     for (const SeenMarker& other : markers) {
       const Cell square = square_of(other);
       if (!(other.cell - square == placing.origin)) continue;
@@ -114,13 +123,15 @@ Placing place(std::span<const SeenMarker> markers, int cols, bool marker_first) 
   return best;
 }
 
-// The only number of columns that all markers agree on.
-std::optional<Placing> place(std::span<const SeenMarker> markers, int least_cols, int most_cols) {
+// The only number of columns, and order, that all markers agree on: of a board of an odd number of
+// columns, one order is the other one a column further.
+std::optional<Placing> place(std::span<const SeenMarker> markers, int least_cols, int most_cols,
+                             const CellRange& extent) {
   std::optional<Placing> best;
   bool is_only = false;
   for (int cols = least_cols; cols <= most_cols; ++cols) {
     for (const bool marker_first : {false, true}) {
-      const Placing placing = place(markers, cols, marker_first);
+      const Placing placing = place(markers, cols, marker_first, extent);
       if (best && placing.agree < best->agree) continue;
       is_only = !best || placing.agree > best->agree;
       best = placing;
@@ -191,10 +202,9 @@ class ShapeTrial {
     if (markers.size() < kFewestMarkers) return;
     const CellRange extent = turned_extent(extent_, quarter);
     const int least = extent.cols() + 1;
-    const auto placing = place(markers, least, whole_ ? least : kMostColumns);
+    const auto placing = place(markers, least, whole_ ? least : kMostColumns, extent);
     if (!placing) return;
     const Cell corner = placing->origin + Cell{1, 1};  // control point 0
-    if (extent.first.col < corner.col || extent.first.row < corner.row) return;
     CharucoBoard board{placing->cols, extent.last.row - corner.row + 2, 0, 0, &dictionary};
     board.rows = std::max(board.rows, placing->last_row + 1);
     board.legacy = placing->marker_first;
