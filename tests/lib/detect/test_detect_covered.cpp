@@ -202,7 +202,7 @@ TEST_P(StrayNodes, AreThoseThatWereMoved) {
       node.sigma = 0.01F;
       lattice.put({static_cast<int>(i) % 9, static_cast<int>(i) / 9}, node);
     }
-    stray.remove_from(lattice, {});
+    stray.remove_from(lattice, {}, {319.5, 239.5});
     const detect::Cell cell = {static_cast<int>(moved) % 9, static_cast<int>(moved) / 9};
     if (n % 4 != 0) {
       EXPECT_FALSE(lattice.has(cell))

@@ -259,7 +259,7 @@ void Refinement::recover_lost(const ImageView& image, Lattice& lattice,
   } while (in_noise_ && lattice.count() > last);
   if (lattice.count() == before) return;
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice, slack(lattice));
+  stray_corners_.remove_from(lattice, slack(lattice), image_center(image.size()));
 }
 
 template <typename F>
@@ -367,7 +367,7 @@ bool Refinement::refine(const ImageView& image, Lattice& lattice, std::span<cons
   }
   if (lattice.count() < kFewestToRefine) return false;
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice, slack(lattice));
+  stray_corners_.remove_from(lattice, slack(lattice), image_center(image.size()));
   const bool all_seen = std::ranges::all_of(board, [&](Cell c) { return lattice.has(c); });
   if (lattice.count() < before || (in_noise_ && !all_seen)) recover_lost(image, lattice, board);
   return 2 * lattice.count() >= before;
@@ -386,7 +386,7 @@ bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lat
   refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
   const bool has_bends = correct_bends_in(image, lattice);
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice, slack(lattice));
+  stray_corners_.remove_from(lattice, slack(lattice), image_center(image.size()));
   if (lattice.count() < count) return false;
   // Bends and slopes for the next frame. The fits have used those of the frame before, and are
   // moved to where fits with their own bends would be.

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "calvin/detect/checkerboard/node_fit.hpp"
+#include "calvin/detect/circles/lens_map.hpp"
 #include "calvin/geometry/homography.hpp"
 
 namespace calvin::detect {
@@ -128,7 +129,7 @@ void StrayCorners::take_differences(const Lattice& lattice) {
 }
 
 // The median of sorted_, which is not empty.
-float StrayCorners::middle() {
+float StrayCorners::median_of_sorted() {
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
   return *middle;
@@ -137,12 +138,16 @@ float StrayCorners::middle() {
 // The tolerance of each order is a multiple of its median over the board, which perspective and
 // lens make large or small. A small board has few differences of an order: there all of them
 // together tell by how much they are larger than presumed.
-void StrayCorners::set_tolerances() {
+void StrayCorners::set_tolerances(int nodes) {
   sorted_.clear();
   for (const Difference& d : differences_) {
     sorted_.push_back(std::hypot(d.x, d.y) / d.spacing / kPresumed[d.count - 1]);
   }
-  const float of_presumed = sorted_.empty() ? 0 : middle();
+  // The map of a lens that then tells stray corners follows one of fewer.
+  constexpr int kFewestOfMap = 12;
+  const bool may_be_loose = nodes >= kFewestOfMap && !sorted_.empty();
+  const float of_presumed = may_be_loose ? median_of_sorted() : 0;
+  are_loose_ = false;
   for (int count = static_cast<int>(kFewest); count <= static_cast<int>(kMost); ++count) {
     sorted_.clear();
     for (const Difference& d : differences_) {
@@ -150,8 +155,10 @@ void StrayCorners::set_tolerances() {
     }
     const float presumed = kPresumed[count - 1];
     float share = std::clamp(kUnusual * of_presumed * presumed, presumed, kMostUsual[count - 1]);
-    if (sorted_.size() >= kFewForMedian) {
-      const float usual = middle();
+    if (sorted_.size() < kFewForMedian) {
+      are_loose_ = are_loose_ || (!sorted_.empty() && share > presumed);
+    } else {
+      const float usual = median_of_sorted();
       // A board that fills the picture of a fisheye has squares of very different sizes.
       const float most = std::max(kMostUsual[count - 1], std::min(kHigh * usual, kHighest));
       share = std::clamp(kUnusual * usual, kLeastUsual[count - 1], most);
@@ -239,18 +246,36 @@ bool StrayCorners::are_in_perspective(const Lattice& lattice) const {
   return all;
 }
 
-void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
+// Where a small board is bent by so much that differences are tolerated that may be those of stray
+// corners: removes those that are elsewhere than a lens has the others.
+void StrayCorners::remove_out_of_place(Lattice& lattice, const Pixel& middle) {
+  constexpr double kOff = 0.2;  // of the spacing
+  std::vector<Cell> cells;
+  std::vector<Pixel> places;
+  std::vector<Pixel> nodes;
+  lattice.for_each([&](Cell c, const Node& node) {
+    const LatticePlace at = lattice.place(c);
+    cells.push_back(c);
+    places.push_back({at.col, at.row});
+    nodes.push_back({static_cast<double>(node.x), static_cast<double>(node.y)});
+  });
+  for (const std::size_t i : points_out_of_place(places, nodes, middle, kOff)) {
+    lattice.remove(cells[i]);
+  }
+}
+
+void StrayCorners::remove_from(Lattice& lattice, const Slack& slack, const Pixel& middle) {
   slack_ = std::max(slack.place, kSlack);
   few_nodes_ = slack.of_spacing > kLargeSlack;
   sorted_.clear();
   lattice.for_each([&](Cell /*c*/, const Node& node) { sorted_.push_back(node.sigma); });
   if (sorted_.empty()) return;
-  usual_sigma_ = middle();
+  usual_sigma_ = median_of_sorted();
   if (are_in_perspective(lattice)) return;
   for (;;) {
     const CellRange extent = lattice.extent();
     take_differences(lattice);
-    set_tolerances();
+    set_tolerances(lattice.count());
     collect_verdicts(extent);
     Cell worst;
     float most = -1;
@@ -275,9 +300,10 @@ void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
     if (most >= 0) {
       lattice.remove(worst);
     } else if (!removed) {
-      return;
+      break;
     }
   }
+  if (are_loose_) remove_out_of_place(lattice, middle);
 }
 
 }  // namespace calvin::detect

@@ -26,8 +26,9 @@ struct Slack {
 class StrayCorners {
  public:
   // Removes nodes of a fitted lattice, in px of the image: those that make the differences of their
-  // lines too large, the one that explains most first, and those that no line confirms.
-  void remove_from(Lattice& lattice, const Slack& slack);
+  // lines too large, the one that explains most first, and those that no line confirms. `middle`:
+  // px, of the image.
+  void remove_from(Lattice& lattice, const Slack& slack, const Pixel& middle);
 
  private:
   // A difference of successive nodes of a line, of the order `count` - 1.
@@ -57,10 +58,11 @@ class StrayCorners {
   void take_differences(const Lattice& lattice);
   void take_line(const Lattice& lattice, Cell first, Cell step, int count);
   void add(const Lattice& lattice, Cell first, Cell step, std::span<const int> places);
-  [[nodiscard]] float middle();
-  void set_tolerances();
+  [[nodiscard]] float median_of_sorted();
+  void set_tolerances(int nodes);
   [[nodiscard]] bool is_like_its_neighbours(const Difference& d) const;
   [[nodiscard]] bool are_in_perspective(const Lattice& lattice) const;
+  static void remove_out_of_place(Lattice& lattice, const Pixel& middle);
   void collect_verdicts(const CellRange& extent);
 
   std::vector<Difference> differences_;
@@ -70,6 +72,7 @@ class StrayCorners {
   float usual_sigma_ = 0;   // px, the median
   float slack_ = 0;         // px
   bool few_nodes_ = false;  // in a difference
+  bool are_loose_ = false;  // tolerances
 };
 
 }  // namespace calvin::detect

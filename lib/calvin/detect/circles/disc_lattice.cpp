@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 
+#include "calvin/detect/circles/lens_map.hpp"
+
 namespace calvin::detect {
 
 namespace {
@@ -99,6 +101,37 @@ std::optional<DiscLattice::Expectation> DiscLattice::expect(Cell c) const {
   e.inside /= static_cast<float>(weights);
   e.outside /= static_cast<float>(weights);
   return all;
+}
+
+namespace {
+
+// Whether a disc is far from where those around it let it be expected.
+bool has_suspects(const DiscLattice& lattice) {
+  constexpr double kOff = 0.12;  // of the spacing
+  return std::ranges::any_of(lattice.cells(), [&](Cell c) {
+    const auto expected = lattice.expect(c);
+    const Ellipse& disc = *lattice.at(c);
+    return expected && std::hypot(disc.x - expected->disc.x, disc.y - expected->disc.y) >
+                           kOff * expected->spacing;
+  });
+}
+
+}  // namespace
+
+std::vector<Cell> cells_out_of_place(const DiscLattice& lattice, const Pixel& middle) {
+  constexpr double kOff = 0.3;  // of the spacing
+  if (!has_suspects(lattice)) return {};
+  std::vector<Pixel> plane;
+  std::vector<Pixel> image;
+  for (const Cell c : lattice.cells()) {
+    plane.push_back({static_cast<double>(c.col), static_cast<double>(c.row)});
+    image.push_back({lattice.at(c)->x, lattice.at(c)->y});
+  }
+  std::vector<Cell> out;
+  for (const std::size_t i : points_out_of_place(plane, image, middle, kOff)) {
+    out.push_back(lattice.cells()[i]);
+  }
+  return out;
 }
 
 // ---- DiscGraph ----------------------------------------------------------------------------------

@@ -52,6 +52,12 @@ class DiscLattice {
   std::vector<Ellipse> discs_;
 };
 
+// The discs of a lattice that are elsewhere than all others together let them be expected, in a
+// picture with that middle, px: where squares become small towards the rim of a fisheye's picture,
+// a row may have been taken for the next one. Empty where none is far from what its neighbours let
+// expect.
+[[nodiscard]] std::vector<Cell> cells_out_of_place(const DiscLattice& lattice, const Pixel& middle);
+
 // Lattices out of the discs of an image. Keeps its memory.
 class DiscGraph {
  public:

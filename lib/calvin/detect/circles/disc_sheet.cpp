@@ -132,6 +132,10 @@ bool DiscSheet::fit(const ImageView& image, const DiscLattice& lattice, int leas
   const std::vector<Cell> cells = lattice_.cells();
   for (const Cell c : cells) fit_one(image, c, *lattice_.at(c), false);
   drop_unlike();
+  for (const Cell out : cells_out_of_place(lattice_, image_center(image.size()))) {
+    std::erase_if(discs_, [&](const Fitted& disc) { return disc.cell == out; });
+    lattice_.remove(out);
+  }
   add_missing(image, 0);
   return static_cast<int>(discs_.size()) >= least;
 }
