@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "calvin/detect/checkerboard/node_fit.hpp"
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/out_of_place.hpp"
 #include "calvin/geometry/homography.hpp"
 
 namespace calvin::detect {

@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 
 #include "calvin/detect/circles/ellipse.hpp"
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/lens_map.hpp"
 
 namespace calvin::detect {
 

@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/out_of_place.hpp"
 
 namespace calvin::detect {
 

@@ -11,7 +11,7 @@
 #include "calvin/detect/circles/circle_pattern.hpp"
 #include "calvin/detect/circles/disc_fit.hpp"
 #include "calvin/detect/circles/disc_lattice.hpp"
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/lens_map.hpp"
 
 namespace calvin::detect {
 

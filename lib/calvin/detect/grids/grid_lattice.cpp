@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "calvin/detect/circles/circle_pattern.hpp"
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/lens_map.hpp"
 
 namespace calvin::detect {
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/lens_map.hpp"
 
 namespace calvin::detect {
 

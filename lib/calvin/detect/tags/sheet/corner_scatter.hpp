@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/lens_map.hpp"
 #include "calvin/detect/tags/point.hpp"
 
 namespace calvin::detect {

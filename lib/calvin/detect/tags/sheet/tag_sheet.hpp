@@ -11,7 +11,7 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
-#include "calvin/detect/circles/lens_map.hpp"
+#include "calvin/detect/maps/lens_map.hpp"
 #include "calvin/detect/tags/point.hpp"
 #include "calvin/detect/tags/tag_fit.hpp"
 #include "calvin/detect/tags/tag_reader.hpp"

@@ -11,10 +11,8 @@
 // over where the first one does not fit.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include <Eigen/Core>
 
@@ -87,12 +85,5 @@ class LensMap {
   Polynomial rest_;
   double misfit_ = 0;
 };
-
-// Which points of a grid, of which the next ones are 1 apart in the plane, are elsewhere than the
-// map of the others has them: by more than `most` of the distance to the next one, or half of that
-// where the map explains the others well. The map is that of the points that it explains best.
-[[nodiscard]] std::vector<std::size_t> points_out_of_place(std::span<const Pixel> plane,
-                                                           std::span<const Pixel> image,
-                                                           const Pixel& middle, double most);
 
 }  // namespace calvin::detect
