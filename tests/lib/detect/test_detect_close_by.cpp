@@ -148,6 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         CloseBy{"Charuco", "charuco:5x7:35mm:26mm:DICT_5X5_100", "fisheye", {0.6, 0.9, 40}},
         CloseBy{"Legacy", "charuco:7x6:30mm:20mm:DICT_6X6_250:legacy", "fisheye", {0.6, 0.9, 40}},
+        CloseBy{"AprilGrid", "aprilgrid:4x3:40mm:0.3", "fisheye", {0.6, 0.9, 40}},
         CloseBy{"Puzzle", "puzzle:6x5:30mm", "fisheye", {0.6, 0.9, 40}},
         CloseBy{"Squares", "checkerboard:7x6:25mm", "fisheye", {0.6, 0.9, 40}},
         CloseBy{"SmallCharuco", "charuco:4x4:35mm:26mm:DICT_4X4_50", "mild", {0.35, 0.6, 60}},

@@ -16,19 +16,25 @@ namespace calvin::detect {
 
 namespace {
 
-// How the places of a line bend from one node to the next, px: their second difference, where steps
-// are alike. The mean of those about both nodes; 0 where the line is too short.
+// How the places of a line bend from a node to the next, px: the second derivative by the step
+// between them. The mean of the parabolas about both nodes; 0 where the line is too short.
 Direction bend_between(const Lattice& lattice, Cell from, Cell step) {
   Direction sum = {0, 0};
-  if (!lattice.has_even_steps()) return sum;
   float count = 0;
+  const float length = lattice.length(from, step);
   for (const Cell c : {from, from + step}) {
     if (!lattice.has(c - step) || !lattice.has(c + step)) continue;
     const Node& before = lattice.at(c - step);
     const Node& here = lattice.at(c);
     const Node& after = lattice.at(c + step);
-    sum.x += before.x - 2 * here.x + after.x;
-    sum.y += before.y - 2 * here.y + after.y;
+    const float behind = lattice.length(c - step, step);
+    const float ahead = lattice.length(c, step);
+    const auto second = [&](float Node::*of) {
+      const float change = (after.*of - here.*of) / ahead - (here.*of - before.*of) / behind;
+      return 2 * change / (ahead + behind) * length * length;
+    };
+    sum.x += second(&Node::x);
+    sum.y += second(&Node::y);
     count += 1;
   }
   return count > 0 ? Direction{sum.x / count, sum.y / count} : sum;
