@@ -17,7 +17,7 @@ namespace calvin::detect {
 
 namespace {
 
-enum Number { kK1 = 8, kK2 = 9, kScale = 10 };
+enum Number { kOfK1 = 8, kOfK2 = 9, kOfScale = 10 };
 
 int numbers_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
@@ -93,9 +93,9 @@ Eigen::Vector2d Polynomial::at(const Pixel& p) const {
 LensMap::LensMap(Projection projection, const Eigen::Matrix3d& h, const Pixel& middle, double scale)
     : projection_(projection), middle_(middle.u, middle.v) {
   for (int i = 0; i < 8; ++i) numbers_[i] = h(i / 3, i % 3) / h(2, 2);
-  numbers_[kK1] = 0;
-  numbers_[kK2] = 0;
-  numbers_[kScale] = std::log(scale);
+  numbers_[kOfK1] = 0;
+  numbers_[kOfK2] = 0;
+  numbers_[kOfScale] = std::log(scale);
 }
 
 Pixel LensMap::project(const Pixel& p, Jacobian* jacobian) const {
@@ -105,20 +105,20 @@ Pixel LensMap::project(const Pixel& p, Jacobian* jacobian) const {
   Eigen::Matrix<double, 2, 3> by_v;
   const Eigen::Vector2d q = projected(projection_, v, by_v);
   const double square = q.squaredNorm();
-  const double gain = 1 + square * (numbers_[kK1] + square * numbers_[kK2]);
-  const double scale = std::exp(numbers_[kScale]);
+  const double gain = 1 + square * (numbers_[kOfK1] + square * numbers_[kOfK2]);
+  const double scale = std::exp(numbers_[kOfScale]);
   const Eigen::Vector2d image = middle_ + scale * gain * q;
   if (jacobian != nullptr) {
-    const double slope = numbers_[kK1] + 2 * square * numbers_[kK2];
+    const double slope = numbers_[kOfK1] + 2 * square * numbers_[kOfK2];
     const Eigen::Matrix2d by_q =
         scale * (gain * Eigen::Matrix2d::Identity() + 2 * slope * q * q.transpose());
     const Eigen::Matrix<double, 2, 3> by_direction = by_q * by_v;
     jacobian->block<2, 3>(0, 0) = by_direction.col(0) * x.transpose();
     jacobian->block<2, 3>(0, 3) = by_direction.col(1) * x.transpose();
     jacobian->block<2, 2>(0, 6) = by_direction.col(2) * x.head<2>().transpose();
-    jacobian->col(kK1) = scale * square * q;
-    jacobian->col(kK2) = scale * square * square * q;
-    jacobian->col(kScale) = image - middle_;
+    jacobian->col(kOfK1) = scale * square * q;
+    jacobian->col(kOfK2) = scale * square * square * q;
+    jacobian->col(kOfScale) = image - middle_;
   }
   return {image.x(), image.y()};
 }
@@ -141,7 +141,7 @@ void LensMap::improve(std::span<const Pixel> plane, std::span<const Pixel> image
                             .finished();
   double damping = 1e-4;
   double error = square_error(plane, image);
-  const double scale_at_start = numbers_[kScale];
+  const double scale_at_start = numbers_[kOfScale];
   for (int step = 0; step < kSteps; ++step) {
     // Two rows at a time by sums of vectors of a fixed size: far quicker than products of matrices.
     Eigen::Matrix<double, kNumbers, kNumbers> m = Eigen::Matrix<double, kNumbers, kNumbers>::Zero();
@@ -157,7 +157,7 @@ void LensMap::improve(std::span<const Pixel> plane, std::span<const Pixel> image
     }
     m.diagonal() += known;
     Numbers off = numbers_;
-    off[kScale] -= scale_at_start;
+    off[kOfScale] -= scale_at_start;
     right -= known.asDiagonal() * off;
     const Numbers unit = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     Eigen::MatrixXd scaled = unit.asDiagonal() * m * unit.asDiagonal();
