@@ -227,9 +227,9 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   take_bends(lattice, step, line, surface, fits);
 }
 
-// set_bends_of() with what windows of two sizes tell; the sigmas of the fits get what is uncertain
-// of the bends.
-void correct_bends_of(const Lattice& lattice, Cell step, const FitGrid& inner, FitGrid& fits) {
+// set_bends_of() with what windows of two sizes tell. Returns the bends.
+Surface<5> correct_bends_of(const Lattice& lattice, Cell step, const FitGrid& inner,
+                            FitGrid& fits) {
   const Line line(lattice, fits, step);
   std::vector<PlacedValue> bends;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
@@ -239,13 +239,7 @@ void correct_bends_of(const Lattice& lattice, Cell step, const FitGrid& inner, F
   });
   const auto surface = surface_over<5>(lattice, bends, 1);
   take_bends(lattice, step, line, surface, fits);
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    SaddleFit& f = fits.at(c);
-    const double of_bend = error_per_bend(f, line.is_row());
-    // The sigma of a coordinate, of which the bend of each edge tells one.
-    const double variance = 0.5 * of_bend * of_bend * surface.variance_at(lattice.place(c));
-    f.sigma = std::hypot(f.sigma, static_cast<float>(std::sqrt(variance)));
-  });
+  return surface;
 }
 
 }  // namespace
@@ -274,8 +268,18 @@ bool are_bent(const Lattice& lattice, const FitGrid& fits) {
 }
 
 void correct_bends(const Lattice& lattice, const FitGrid& inner, FitGrid& fits) {
-  correct_bends_of(lattice, {1, 0}, inner, fits);
-  correct_bends_of(lattice, {0, 1}, inner, fits);
+  const Surface<5> of_rows = correct_bends_of(lattice, {1, 0}, inner, fits);
+  const Surface<5> of_columns = correct_bends_of(lattice, {0, 1}, inner, fits);
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    SaddleFit& f = fits.at(c);
+    const LatticePlace at = lattice.place(c);
+    const double by_row = error_per_bend(f, true);
+    const double by_column = error_per_bend(f, false);
+    // Each edge tells of one of the two coordinates.
+    const double variance = 0.5 * (by_row * by_row * of_rows.variance_at(at) +
+                                   by_column * by_column * of_columns.variance_at(at));
+    f.sigma = std::hypot(f.sigma, static_cast<float>(std::sqrt(variance)));
+  });
 }
 
 void set_slopes(const Lattice& lattice, FitGrid& fits) {
