@@ -9,6 +9,7 @@
 #include <iostream>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -82,6 +83,31 @@ GrayImage as_shown(GrayImage image, double gamma, Random& random) {
   return image;
 }
 
+// A picture of a board, and where its points are.
+struct Picture {
+  GrayImage image;
+  Observation truth;
+};
+
+// Pictures of a board through a lens, each from another place.
+class Pictures {
+ public:
+  Pictures(Board board, const std::string& lens, std::uint64_t seed)
+      : board_(std::move(board)), camera_(camera_of(lens)), renderer_(camera_), random_(seed) {}
+
+  Picture next(const Poses& poses, double gamma = 1) {
+    const SE3 pose = pose_of(camera_, board_, poses, random_);
+    return {as_shown(renderer_.render(board_, pose, {.blur = 0.5}), gamma, random_),
+            true_observation(camera_, board_, pose)};
+  }
+
+ private:
+  Board board_;
+  Camera camera_;
+  BoardRenderer renderer_;
+  Random random_;
+};
+
 class LargeSquares : public ::testing::TestWithParam<Large> {};
 INSTANTIATE_TEST_SUITE_P(
     Pictures, LargeSquares,
@@ -97,25 +123,20 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(LargeSquares, AreAsFarOffAsTheySay) {
   const Large& large = GetParam();
   const Board board = parse_board(large.board).value();
-  const Camera camera = camera_of(large.lens);
-  const BoardRenderer renderer(camera);
+  Pictures pictures(board, large.lens, 71);
   const auto detector = std::move(*make_detector(board));
-  Random random(71);
   double chi = 0;
   double square = 0;
   int corners = 0;
   const int views = scenes::full_count() ? 60 : 12;
   int found = 0;
   for (int n = 0; n < views; ++n) {
-    const SE3 pose = pose_of(camera, board, {}, random);
-    const Observation truth = true_observation(camera, board, pose);
-    const GrayImage image =
-        as_shown(renderer.render(board, pose, {.blur = 0.5}), large.gamma, random);
-    const Observation seen = detector->detect(image.view()).observation;
+    const Picture picture = pictures.next({}, large.gamma);
+    const Observation seen = detector->detect(picture.image.view()).observation;
     if (!seen.found()) continue;
     ++found;
     for (std::size_t i = 0; i < seen.ids.size(); ++i) {
-      const Pixel at = truth.uv[static_cast<std::size_t>(seen.ids[i])];
+      const Pixel at = picture.truth.uv[static_cast<std::size_t>(seen.ids[i])];
       const double off = std::pow(seen.uv[i].u - at.u, 2) + std::pow(seen.uv[i].v - at.v, 2);
       square += off / 2;
       chi += off / 2 / (seen.sigma[i] * seen.sigma[i]);
@@ -172,19 +193,16 @@ int count_wrong(const Observation& seen, const Observation& truth) {
 TEST_P(FromCloseBy, AreFound) {
   const CloseBy& close_by = GetParam();
   const Board board = parse_board(close_by.board).value();
-  const Camera camera = camera_of(close_by.lens);
-  const BoardRenderer renderer(camera);
+  Pictures pictures(board, close_by.lens, 14);
   const auto detector = std::move(*make_detector(board));
-  Random random(14);
   const int views = scenes::full_count() ? 300 : 25;
   int found = 0;
   int wrong = 0;
   for (int n = 0; n < views; ++n) {
-    const SE3 pose = pose_of(camera, board, close_by.poses, random);
-    const GrayImage image = as_shown(renderer.render(board, pose, {.blur = 0.5}), 1, random);
-    const Observation seen = detector->detect(image.view()).observation;
+    const Picture picture = pictures.next(close_by.poses);
+    const Observation seen = detector->detect(picture.image.view()).observation;
     found += seen.found() ? 1 : 0;
-    wrong += count_wrong(seen, true_observation(camera, board, pose));
+    wrong += count_wrong(seen, picture.truth);
   }
   std::cout << "  " << found << " of " << views << ", " << wrong << " points wrong\n";
   EXPECT_GE(found, views * 9 / 10);
@@ -194,19 +212,16 @@ TEST_P(FromCloseBy, AreFound) {
 // A board that nobody asked for is named by the markers between its corners: those outside of them
 // are misread where the lens bends much.
 TEST(BoardsFromCloseBy, AreNamed) {
-  const Camera camera = camera_of("fisheye");
-  const BoardRenderer renderer(camera);
   for (const char* text :
        {"charuco:5x7:25mm:18.5mm:DICT_5X5_50", "charuco:7x6:25mm:16.75mm:DICT_6X6_50:legacy"}) {
     const Board board = parse_board(text).value();
     const auto* charuco = board.as<CharucoBoard>();
-    Random random(9);
+    Pictures pictures(board, "fisheye", 9);
     const int views = scenes::full_count() ? 60 : 12;
     int named = 0;
     for (int n = 0; n < views; ++n) {
-      const SE3 pose = pose_of(camera, board, {0.4, 0.8, 40}, random);
-      const GrayImage image = as_shown(renderer.render(board, pose, {.blur = 0.5}), 1, random);
-      const auto all = identify_boards(image.view(), charuco->square);
+      const Picture picture = pictures.next({0.4, 0.8, 40});
+      const auto all = identify_boards(picture.image.view(), charuco->square);
       const auto* seen = all.empty() ? nullptr : all.front().board.as<CharucoBoard>();
       named += seen != nullptr && seen->cols == charuco->cols && seen->rows == charuco->rows &&
                        seen->legacy == charuco->legacy && seen->dictionary == charuco->dictionary

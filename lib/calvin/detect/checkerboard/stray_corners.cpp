@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "calvin/detect/checkerboard/node_fit.hpp"
-#include "calvin/detect/maps/out_of_place.hpp"
+#include "calvin/detect/maps/outliers.hpp"
 #include "calvin/geometry/homography.hpp"
 
 namespace calvin::detect {
@@ -248,7 +248,7 @@ bool StrayCorners::are_in_perspective(const Lattice& lattice) const {
 
 // Where a small board is bent by so much that differences are tolerated that may be those of stray
 // corners: removes those that are elsewhere than a lens has the others.
-void StrayCorners::remove_out_of_place(Lattice& lattice, const Pixel& middle) {
+void StrayCorners::remove_outliers(Lattice& lattice, const Pixel& middle) {
   constexpr double kOff = 0.2;  // of the spacing
   std::vector<Cell> cells;
   std::vector<Pixel> places;
@@ -259,7 +259,7 @@ void StrayCorners::remove_out_of_place(Lattice& lattice, const Pixel& middle) {
     places.push_back({at.col, at.row});
     nodes.push_back({static_cast<double>(node.x), static_cast<double>(node.y)});
   });
-  for (const std::size_t i : points_out_of_place(places, nodes, middle, kOff)) {
+  for (const std::size_t i : grid_outliers(places, nodes, middle, kOff)) {
     lattice.remove(cells[i]);
   }
 }
@@ -303,7 +303,7 @@ void StrayCorners::remove_from(Lattice& lattice, const Slack& slack, const Pixel
       break;
     }
   }
-  if (are_loose_) remove_out_of_place(lattice, middle);
+  if (are_loose_) remove_outliers(lattice, middle);
 }
 
 }  // namespace calvin::detect

@@ -62,7 +62,7 @@ class StrayCorners {
   void set_tolerances(int nodes);
   [[nodiscard]] bool is_like_its_neighbours(const Difference& d) const;
   [[nodiscard]] bool are_in_perspective(const Lattice& lattice) const;
-  static void remove_out_of_place(Lattice& lattice, const Pixel& middle);
+  static void remove_outliers(Lattice& lattice, const Pixel& middle);
   void collect_verdicts(const CellRange& extent);
 
   std::vector<Difference> differences_;

@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-#include "calvin/detect/maps/out_of_place.hpp"
+#include "calvin/detect/maps/outliers.hpp"
 
 namespace calvin::detect {
 
@@ -118,7 +118,7 @@ bool has_suspects(const DiscLattice& lattice) {
 
 }  // namespace
 
-std::vector<Cell> cells_out_of_place(const DiscLattice& lattice, const Pixel& middle) {
+std::vector<Cell> outliers_of(const DiscLattice& lattice, const Pixel& middle) {
   constexpr double kOff = 0.3;  // of the spacing
   if (!has_suspects(lattice)) return {};
   std::vector<Pixel> plane;
@@ -128,7 +128,7 @@ std::vector<Cell> cells_out_of_place(const DiscLattice& lattice, const Pixel& mi
     image.push_back({lattice.at(c)->x, lattice.at(c)->y});
   }
   std::vector<Cell> out;
-  for (const std::size_t i : points_out_of_place(plane, image, middle, kOff)) {
+  for (const std::size_t i : grid_outliers(plane, image, middle, kOff)) {
     out.push_back(lattice.cells()[i]);
   }
   return out;

@@ -56,7 +56,7 @@ class DiscLattice {
 // picture with that middle, px: where squares become small towards the rim of a fisheye's picture,
 // a row may have been taken for the next one. Empty where none is far from what its neighbours let
 // expect.
-[[nodiscard]] std::vector<Cell> cells_out_of_place(const DiscLattice& lattice, const Pixel& middle);
+[[nodiscard]] std::vector<Cell> outliers_of(const DiscLattice& lattice, const Pixel& middle);
 
 // Lattices out of the discs of an image. Keeps its memory.
 class DiscGraph {

@@ -13,17 +13,11 @@
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
 #include "calvin/detect/circles/blob_shape.hpp"
 #include "calvin/detect/circles/centre_bias.hpp"
+#include "calvin/geometry/median.hpp"
 
 namespace calvin::detect {
 
 namespace {
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 float brighter(const Ellipse& e) { return std::max(e.inside, e.outside); }
 
@@ -132,7 +126,7 @@ bool DiscSheet::fit(const ImageView& image, const DiscLattice& lattice, int leas
   const std::vector<Cell> cells = lattice_.cells();
   for (const Cell c : cells) fit_one(image, c, *lattice_.at(c), false);
   drop_unlike();
-  for (const Cell out : cells_out_of_place(lattice_, image_center(image.size()))) {
+  for (const Cell out : outliers_of(lattice_, image_center(image.size()))) {
     std::erase_if(discs_, [&](const Fitted& disc) { return disc.cell == out; });
     lattice_.remove(out);
   }
@@ -246,6 +240,7 @@ void DiscSheet::drop_unlike() {
   constexpr double kAlways = 3;      // grey levels
   constexpr double kMuchLooser = 6;  // of the median of the sigmas
   constexpr float kOtherLight = 0.4F;
+  if (discs_.empty()) return;
   std::vector<double> residuals;
   std::vector<double> sigmas;
   for (const Fitted& disc : discs_) {
@@ -303,7 +298,7 @@ double DiscSheet::squareness(const ImageView& image) const {
     const double most = std::min(kOfRadius * disc.fit.ellipse.radius(), kOfWidth * disc.fit.width);
     shares.push_back(fourth_harmonic(image, disc.fit) / most);
   }
-  return median_of(std::move(shares));
+  return shares.empty() ? 0 : median_of(std::move(shares));
 }
 
 void DiscSheet::set_slope(Fitted& disc) const {
@@ -398,7 +393,7 @@ Observation DiscSheet::observe(const ImageView& image, const CirclePattern& patt
     seen.sigma.push_back(disc.fit.sigma);
     widths.push_back(disc.fit.width);
   }
-  seen.blur = median_of(std::move(widths));
+  if (!widths.empty()) seen.blur = median_of(std::move(widths));
   return seen;
 }
 

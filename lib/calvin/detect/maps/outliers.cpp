@@ -3,7 +3,7 @@
 
 // Maps of all points, then of those that the last one explained.
 
-#include "calvin/detect/maps/out_of_place.hpp"
+#include "calvin/detect/maps/outliers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "calvin/detect/maps/lens_map.hpp"
+#include "calvin/geometry/median.hpp"
 
 namespace calvin::detect {
 
@@ -40,9 +41,8 @@ std::optional<LensMap> map_of(std::span<const Pixel> plane, std::span<const Pixe
 
 }  // namespace
 
-std::vector<std::size_t> points_out_of_place(std::span<const Pixel> plane,
-                                             std::span<const Pixel> image, const Pixel& middle,
-                                             double most) {
+std::vector<std::size_t> grid_outliers(std::span<const Pixel> plane, std::span<const Pixel> image,
+                                       const Pixel& middle, double most) {
   constexpr int kRounds = 8;
   constexpr double kMedians = 3;      // a map of all is off where some are out of place
   constexpr double kFarMedians = 10;  // in the map of the others
@@ -57,11 +57,9 @@ std::vector<std::size_t> points_out_of_place(std::span<const Pixel> plane,
     for (std::size_t i = 0; i < off.size(); ++i) {
       off[i] = off_of_spacing(*lens, plane[i], image[i]);
     }
-    std::vector<double> sorted = off;
-    const auto half = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), half, sorted.end());
-    const double trimmed = std::clamp(kMedians * *half, most / 3, most);
-    const double far = std::clamp(kFarMedians * *half, most / 2, most);
+    const double usual = median_of(off);
+    const double trimmed = std::clamp(kMedians * usual, most / 3, most);
+    const double far = std::clamp(kFarMedians * usual, most / 2, most);
     const std::vector<std::size_t> before = std::exchange(kept, {});
     out.clear();
     for (std::size_t i = 0; i < off.size(); ++i) {

@@ -15,8 +15,8 @@ namespace calvin::detect {
 // Which points of a grid, of which the next ones are 1 apart in the plane, are elsewhere than the
 // map of the others has them: by more than `most` of the distance to the next one, or half of that
 // where the map explains the others well. The map is that of the points that it explains best.
-[[nodiscard]] std::vector<std::size_t> points_out_of_place(std::span<const Pixel> plane,
-                                                           std::span<const Pixel> image,
-                                                           const Pixel& middle, double most);
+[[nodiscard]] std::vector<std::size_t> grid_outliers(std::span<const Pixel> plane,
+                                                     std::span<const Pixel> image,
+                                                     const Pixel& middle, double most);
 
 }  // namespace calvin::detect
