@@ -43,7 +43,9 @@ constexpr int kFewestAlike = 2;
 constexpr float kUncertainTimes = 6;
 constexpr float kUncertainLeast = 0.06F;  // px
 constexpr float kUncertainError = 0.5F;   // px
-constexpr float kLeastPrecise = 0.35F;    // of the spacing, to which a place must be confirmed
+// The fewest nodes of which the map of a lens does not follow a stray one.
+constexpr int kFewestOfMap = 12;
+constexpr float kLeastPrecise = 0.35F;  // of the spacing, to which a place must be confirmed
 
 // Whether a node lies in line with the next two of its row and of its column, as well as their
 // noise lets one tell: where corners are noisy, differences of more of them tell less.
@@ -69,6 +71,20 @@ bool is_in_line(const Lattice& lattice, Cell c) {
     return false;
   };
   return is_straight({1, 0}) && is_straight({0, 1});
+}
+
+// Whether a node of a small board is far from where those around it let it be expected.
+bool has_suspects(const Lattice& lattice) {
+  constexpr int kSmall = 36;    // nodes
+  constexpr float kOff = 0.2F;  // of the spacing
+  bool any = false;
+  if (lattice.count() > kSmall || lattice.count() < kFewestOfMap) return any;
+  lattice.for_each([&](Cell c, const Node& node) {
+    const auto expected = lattice.expect(c);
+    any = any || (expected && std::hypot(node.x - expected->x, node.y - expected->y) >
+                                  kOff * expected->spacing);
+  });
+  return any;
 }
 
 }  // namespace
@@ -143,8 +159,6 @@ void StrayCorners::set_tolerances(int nodes) {
   for (const Difference& d : differences_) {
     sorted_.push_back(std::hypot(d.x, d.y) / d.spacing / kPresumed[d.count - 1]);
   }
-  // The map of a lens that then tells stray corners follows one of fewer.
-  constexpr int kFewestOfMap = 12;
   const bool may_be_loose = nodes >= kFewestOfMap && !sorted_.empty();
   const float of_presumed = may_be_loose ? median_of_sorted() : 0;
   are_loose_ = false;
@@ -303,7 +317,7 @@ void StrayCorners::remove_from(Lattice& lattice, const Slack& slack, const Pixel
       break;
     }
   }
-  if (are_loose_) remove_outliers(lattice, middle);
+  if (are_loose_ || has_suspects(lattice)) remove_outliers(lattice, middle);
 }
 
 }  // namespace calvin::detect
