@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 // Included once for each target, too.
 #include "calvin/detect/error_function-inl.hpp"
+#include "calvin/detect/lane_sums-inl.hpp"
 
 #include <utility>
 
@@ -143,10 +144,8 @@ void accumulate_disc_of(Window& window, const DiscModel& model, DiscNormal& norm
     add_disc(j, e, products, gradient, std::make_index_sequence<kSummed>(),
              std::make_index_sequence<kDiscUnknowns>());
   }
-  for (int k = 0; k < kSummed; ++k)
-    normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
-  for (int p = 0; p < kDiscUnknowns; ++p)
-    normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
+  sums_of_lanes(d, products, kSummed, normal.products);
+  sums_of_lanes(d, gradient, kDiscUnknowns, normal.gradient);
   normal.square = hn::GetLane(hn::SumOfLanes(d, square));
 }
 

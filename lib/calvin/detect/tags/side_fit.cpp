@@ -46,6 +46,7 @@ class SideSteps {
   [[nodiscard]] bool step();
   [[nodiscard]] bool converge();
   [[nodiscard]] bool drop_covered();
+  void count_used();
   void weigh();
   void accumulate(SideSums sums);
   [[nodiscard]] SideMatrix information() const;
@@ -132,25 +133,27 @@ bool SideSteps::gather() {
   const double end = std::max(1 - from_corner, kLeastEnd);
   const SideBand near{band(room_inside(guess_)), band(room_outside(guess_)), end, width_, every_};
   gather_side(image_, frame_, guess_, curve_, near, pixels_);
-  weigh();
+  std::ranges::transform(sums_of_segments(pixels_).count, pixels_in_.begin(),
+                         [](float count) { return static_cast<int>(count); });
+  count_used();
+  // All of them have a weight yet.
+  if (std::ranges::find(used_, false) != used_.end()) weigh();
   is_near_ = false;
   gathered_ = curve_;
   gathered_width_ = width_;
   return pixels_.count >= 3 * kSideUnknowns;
 }
 
+void SideSteps::count_used() {
+  count_ = 0;
+  for (std::size_t k = 0; k < kSegments; ++k) count_ += used_[k] ? pixels_in_[k] : 0;
+}
+
 // Gives a weight to the pixels of segments that are used.
 void SideSteps::weigh() {
-  count_ = 0;
-  pixels_in_.fill(0);
-  std::array<float, kSegments> weights{};
-  for (std::size_t k = 0; k < kSegments; ++k) weights[k] = used_[k] ? 1 : 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
-    const std::size_t segment = pixels_.segment_of(i);
-    ++pixels_in_[segment];
-    pixels_.weight[i] = weights[segment];
+    pixels_.weight[i] = used_[pixels_.segment_of(i)] ? 1 : 0;
   }
-  for (std::size_t k = 0; k < kSegments; ++k) count_ += used_[k] ? pixels_in_[k] : 0;
 }
 
 SideModel SideSteps::model() const {
@@ -231,7 +234,7 @@ bool SideSteps::step() {
 
 bool SideSteps::converge() {
   constexpr int kSteps = 12;
-  const double converged = every_ > 1 ? 1e-2 : 1e-3;  // px
+  const double converged = every_ > 1 ? 1e-2 : 3e-3;  // px
   constexpr double kMoved = 0.4;                      // px, after which other pixels are near
   for (int i = 0; i < kSteps; ++i) {
     if (!step()) return false;
@@ -252,14 +255,13 @@ bool SideSteps::converge() {
 
 // Leaves out segments that do not look like the others; whether there were any.
 bool SideSteps::drop_covered() {
-  std::array<double, kSegments> squares{};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
-    const auto error = static_cast<double>(pixels_.error[i]);
-    squares[pixels_.segment_of(i)] += error * error;
-  }
+  const SegmentSums sums = sums_of_segments(pixels_);
+  const auto rms_of = [&](std::size_t i) {
+    return std::sqrt(static_cast<double>(sums.square[i]) / pixels_in_[i]);
+  };
   std::vector<double> rms;
   for (std::size_t i = 0; i < kSegments; ++i) {
-    if (shows(i)) rms.push_back(std::sqrt(squares[i] / pixels_in_[i]));
+    if (shows(i)) rms.push_back(rms_of(i));
   }
   if (rms.empty()) return false;
   std::ranges::sort(rms);
@@ -271,11 +273,12 @@ bool SideSteps::drop_covered() {
   bool any = false;
   for (std::size_t i = 0; i < kSegments; ++i) {
     if (pixels_in_[i] == 0) continue;
-    const bool keep = std::sqrt(squares[i] / pixels_in_[i]) <= limit;
+    const bool keep = rms_of(i) <= limit;
     any = any || keep != used_[i];
     used_[i] = keep;
   }
   if (!any) return false;
+  count_used();
   weigh();
   is_near_ = false;
   return true;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
@@ -20,6 +21,7 @@ namespace {
 constexpr int kProfiles = 10;          // across a side
 constexpr int kFewestPlaces = 4;       // of a side that leaves the image
 constexpr double kLastProfile = 0.85;  // |t|
+constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // a grey level outside
 
 struct Steepest {
   double t = 0;
@@ -33,17 +35,24 @@ std::optional<Steepest> steepest_at(const ImageView& image, const SideFrame& fra
   const double step = std::clamp(0.25 * guess.reach, 0.25, 1.0);
   constexpr std::size_t kApart = 4;  // steps between the grey levels that are compared
   const auto places = static_cast<int>(2 * guess.reach / step + 1e-9) + 1;
+  const int samples = places + static_cast<int>(kApart);
   const double before = guess.bend * (1 - t * t);
+  const auto across = [&](int i) { return -guess.reach + (i - 0.5 * kApart) * step; };
+  const Point first = frame.at(t, before + across(0));
+  const Point by = step * frame.outwards();
+  const bool is_whole = is_in(image, first) && is_in(image, first + (samples - 1) * by);
   Steepest best{t, 0, 0};
-  std::array<std::optional<float>, kApart> last;
-  for (int i = 0; i < places + static_cast<int>(kApart); ++i) {
-    const double n = -guess.reach + (i - 0.5 * kApart) * step;
-    const Point p = frame.at(t, before + n);
-    const auto out = grey_at(image, static_cast<float>(p.x()), static_cast<float>(p.y()));
-    const auto in = std::exchange(last[static_cast<std::size_t>(i) % kApart], out);
-    if (!in || !out) continue;
-    const double change = static_cast<double>(*out - *in) * (guess.inverted ? -1 : 1);
-    if (change > best.change) best = {t, n - 0.5 * kApart * step, change};
+  std::array<float, kApart> last;
+  last.fill(kNowhere);
+  for (int i = 0; i < samples; ++i) {
+    const Point p = first + i * by;
+    const auto x = static_cast<float>(p.x());
+    const auto y = static_cast<float>(p.y());
+    const float out = is_whole ? grey_inside(image, x, y) : grey_at(image, x, y).value_or(kNowhere);
+    const float in = std::exchange(last[static_cast<std::size_t>(i) % kApart], out);
+    const double change = static_cast<double>(out - in) * (guess.inverted ? -1 : 1);
+    // A change from or to nowhere is no number, and not larger.
+    if (change > best.change) best = {t, across(i) - 0.5 * kApart * step, change};
   }
   constexpr double kLeast = 4;  // grey levels
   if (best.change < kLeast) return std::nullopt;
@@ -86,19 +95,35 @@ std::optional<SideCurve> line_of(const std::vector<Steepest>& places, double rea
 struct Interval {
   double first;
   double last;
+};
 
-  // Where offset + slope x is from `low` to `high`.
-  void cut(double offset, double slope, double low, double high) {
-    if (std::abs(slope) < 1e-9) {
-      if (offset < low || offset > high) last = first - 1;
+// Clips to where offset + slope x is between two limits, for many offsets.
+class Clip {
+ public:
+  explicit Clip(double slope) : is_flat_(std::abs(slope) < 1e-9), inverse_(1 / slope) {}
+
+  void apply(double offset, double low, double high, Interval& x) const {
+    if (is_flat_) {
+      if (offset < low || offset > high) x.last = x.first - 1;
       return;
     }
-    const double a = (low - offset) / slope;
-    const double b = (high - offset) / slope;
-    first = std::max(first, std::min(a, b));
-    last = std::min(last, std::max(a, b));
+    const double a = (low - offset) * inverse_;
+    const double b = (high - offset) * inverse_;
+    x.first = std::max(x.first, std::min(a, b));
+    x.last = std::min(x.last, std::max(a, b));
   }
+
+ private:
+  bool is_flat_;
+  double inverse_;
 };
+
+// The least multiple of a step that is not less than x >= 0.
+int multiple_from(double x, int step) {
+  const int below = static_cast<int>(x);
+  const int from = below + (below < x ? 1 : 0);
+  return step == 1 ? from : (from + step - 1) / step * step;
+}
 
 // A blurred edge at a distance in sigmas, within 3e-4: Abramowitz and Stegun, 7.1.27.
 float blurred_edge(float sigmas) {
@@ -137,6 +162,59 @@ SideBits::Row blurred(const std::vector<double>& cuts, const std::vector<float>&
   return row;
 }
 
+// The rows of the image from the first to the last that a band about a curve reaches.
+std::pair<int, int> rows_near(const ImageView& image, const SideFrame& frame,
+                              const SideCurve& curve, const SideBand& band) {
+  const double lowest = std::min({curve.at(-1), curve.at(1), curve.at(0)}) - band.inside;
+  const double highest = std::max({curve.at(-1), curve.at(1), curve.at(0)}) + band.outside;
+  const double corners[] = {frame.at(-band.end, lowest).y(), frame.at(-band.end, highest).y(),
+                            frame.at(band.end, lowest).y(), frame.at(band.end, highest).y()};
+  const auto [top, bottom] = std::ranges::minmax(corners);
+  return {static_cast<int>(std::max(0.0, std::ceil(top))),
+          static_cast<int>(std::min(image.height - 1.0, std::floor(bottom)))};
+}
+
+// The pixels of the rows near a curve.
+void find_lines(const ImageView& image, const SideFrame& frame, const SideCurve& curve,
+                const SideBand& band, SideLines& lines) {
+  const Point origin(0, 0);
+  const Point t_by(frame.along() / frame.half());  // by x and by y
+  const Point& n_by = frame.outwards();
+  // Lines across the side are rows where it is steep, and else columns.
+  const bool is_steep = std::abs(frame.along().y()) > std::abs(frame.along().x());
+  const int row_step = is_steep ? band.every : 1;
+  const int step = is_steep ? 1 : band.every;
+  lines.all.clear();
+  lines.step = step;
+  lines.by_t = static_cast<float>(step * t_by.x());
+  lines.by_n = static_cast<float>(step * n_by.x());
+  const Clip along(t_by.x());
+  const Clip across(n_by.x() - curve.slope * t_by.x());
+  const auto [top, bottom] = rows_near(image, frame, curve, band);
+  for (int y = top; y <= bottom; y += row_step) {
+    const double t = frame.along(origin) + y * t_by.y();
+    const double n = frame.across(origin) + y * n_by.y();
+    Interval x{0, static_cast<double>(image.width - 1)};
+    along.apply(t, -band.end, band.end, x);
+    // By the straight line first, as far as the bend moves it.
+    across.apply(n - curve.offset - curve.slope * t, std::min(curve.bend, 0.0) - band.inside,
+                 std::max(curve.bend, 0.0) + band.outside, x);
+    if (!(x.first <= x.last)) continue;
+    int first = multiple_from(x.first, step);
+    int last = static_cast<int>(x.last);
+    const auto is_near = [&](int u) {
+      const double off = n + u * n_by.x() - curve.at(t + u * t_by.x());
+      return off >= -band.inside && off <= band.outside;
+    };
+    while (first <= last && !is_near(first)) first += step;
+    while (first <= last && !is_near(last)) --last;
+    if (first > last) continue;
+    lines.all.push_back({image.data + y * image.stride + first, (last - first) / step + 1,
+                         image.width - first, static_cast<float>(t + first * t_by.x()),
+                         static_cast<float>(n + first * n_by.x())});
+  }
+}
+
 }  // namespace
 
 double room_inside(const SideGuess& guess) {
@@ -171,64 +249,17 @@ std::optional<SideCurve> coarse_side(const ImageView& image, const SideFrame& fr
 
 void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess& guess,
                  const SideCurve& curve, const SideBand& band, SidePixels& pixels) {
-  pixels.clear();
-  const auto [inside, outside, end, width, every] = band;
-  const double lowest = std::min({curve.at(-1), curve.at(1), curve.at(0)}) - inside;
-  const double highest = std::max({curve.at(-1), curve.at(1), curve.at(0)}) + outside;
-  double top = frame.at(-end, lowest).y();
-  double bottom = top;
-  for (const Point& p : {frame.at(-end, highest), frame.at(end, lowest), frame.at(end, highest)}) {
-    top = std::min(top, p.y());
-    bottom = std::max(bottom, p.y());
+  thread_local SideLines lines;  // memory: sides are fitted by the hundred in a picture
+  find_lines(image, frame, curve, band, lines);
+  const double blur = band.blur / frame.half();
+  SideBits bits{blurred(guess.cuts, guess.first, blur), blurred(guess.cuts, guess.behind, blur)};
+  if (!guess.outer.empty()) {
+    bits.behind_gap = BehindGap::kBits;
+    bits.beyond = blurred(guess.outer_cuts, guess.outer, blur);
+  } else if (guess.beyond) {
+    bits.behind_gap = BehindGap::kTag;
   }
-  const double t_step = frame.along().x() / frame.half();
-  const double n_step = frame.outwards().x();
-  // Lines across the side are rows where it is steep, and else columns.
-  const bool is_steep = std::abs(frame.along().y()) > std::abs(frame.along().x());
-  const int row_step = is_steep ? every : 1;
-  const int step = is_steep ? 1 : every;
-  const double last_row = std::min(image.height - 1.0, std::floor(bottom));
-  for (int y = static_cast<int>(std::max(0.0, std::ceil(top))); y <= last_row; y += row_step) {
-    const Point start(0, y);
-    const double t_start = frame.along(start);
-    const double n_start = frame.across(start);
-    const auto off = [&](double x) {
-      return n_start + x * n_step - curve.at(t_start + x * t_step);
-    };
-    Interval x{0, static_cast<double>(image.width - 1)};
-    x.cut(t_start, t_step, -end, end);
-    // By the straight line first, as far as the bend moves it.
-    x.cut(n_start - curve.offset - curve.slope * t_start, n_step - curve.slope * t_step,
-          std::min(curve.bend, 0.0) - inside, std::max(curve.bend, 0.0) + outside);
-    int first = static_cast<int>(std::ceil(x.first / step)) * step;
-    int last = static_cast<int>(std::floor(x.last));
-    const auto is_near = [&](int u) { return off(u) >= -inside && off(u) <= outside; };
-    while (first <= last && !is_near(first)) first += step;
-    while (first <= last && !is_near(last)) --last;
-    if (first > last) continue;
-    const int count = (last - first) / step + 1;
-    const std::size_t at = pixels.append(count);
-    const std::uint8_t* row = image.data + y * image.stride + first;
-    const auto first_t = static_cast<float>(t_start + first * t_step);
-    const auto first_n = static_cast<float>(n_start + first * n_step);
-    const auto by_t = static_cast<float>(step * t_step);
-    const auto by_n = static_cast<float>(step * n_step);
-    float* t = pixels.t.data() + at;
-    float* n = pixels.n.data() + at;
-    float* grey = pixels.grey.data() + at;
-    for (int i = 0; i < count; ++i) {
-      t[i] = first_t + static_cast<float>(i) * by_t;
-      n[i] = first_n + static_cast<float>(i) * by_n;
-      grey[i] = row[i * step];
-    }
-  }
-  pixels.finish();
-  const double blur = width / frame.half();
-  SideBits bits{
-      blurred(guess.cuts, guess.first, blur), blurred(guess.cuts, guess.behind, blur), {}};
-  if (guess.beyond) bits.beyond.fill(1);
-  if (!guess.outer.empty()) bits.beyond = blurred(guess.outer_cuts, guess.outer, blur);
-  add_bits(pixels, bits, guess.beyond || !guess.outer.empty());
+  take_lines(lines, bits, pixels);
 }
 
 }  // namespace calvin::detect

@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 // Included once for each target, too.
 #include "calvin/detect/error_function-inl.hpp"
+#include "calvin/detect/lane_sums-inl.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -106,33 +107,6 @@ HWY_INLINE void add_side(const V (*j)[kSideUnknowns], const V* e, [[maybe_unused
   ((gradient[P] = hn::MulAdd(j[1][P], e[1], hn::MulAdd(j[0][P], e[0], gradient[P]))), ...);
 }
 
-// Two samples on both sides of each place, and a line between them.
-template <class D, class I, class V>
-HWY_INLINE V row_at(D d, const SideBits::Row& row, I sample, V share) {
-  const V before = hn::GatherIndex(d, row.data(), sample);
-  const V after = hn::GatherIndex(d, row.data() + 1, sample);
-  return hn::MulAdd(share, hn::Sub(after, before), before);
-}
-
-void add_bits(SidePixels& pixels, const SideBits& bits, bool beyond) {
-  const hn::ScalableTag<float> d;
-  const hn::RebindToSigned<decltype(d)> di;
-  constexpr float kPerUnit = (SideBits::kSamples - 1) / 2.0F;  // samples, of t
-  const auto per_segment = hn::Set(d, kSideSegments / (SideBits::kSamples - 1.0F));
-  for (int i = 0; i < pixels.count; i += static_cast<int>(hn::Lanes(d))) {
-    // What is behind the last pixel was a pixel of another side, or is none: t is -1 to 1.
-    const auto t = hn::LoadU(d, pixels.t.data() + i);
-    const auto place = hn::Mul(hn::Add(t, hn::Set(d, 1)), hn::Set(d, kPerUnit));
-    const auto sample = hn::ConvertTo(di, place);
-    const auto share = hn::Sub(place, hn::ConvertTo(d, sample));
-    hn::StoreU(row_at(d, bits.first, sample, share), d, pixels.first.data() + i);
-    hn::StoreU(row_at(d, bits.second, sample, share), d, pixels.second.data() + i);
-    if (beyond) hn::StoreU(row_at(d, bits.beyond, sample, share), d, pixels.beyond.data() + i);
-    const auto segment = hn::ConvertTo(di, hn::Mul(place, per_segment));
-    hn::StoreU(hn::Min(segment, hn::Set(di, kSideSegments - 1)), di, pixels.segment.data() + i);
-  }
-}
-
 template <int kSummed>  // of the products: all or none
 void accumulate_side_of(SidePixels& pixels, const SideModel& model, SideNormal& normal) {
   using D = hn::ScalableTag<float>;
@@ -154,12 +128,8 @@ void accumulate_side_of(SidePixels& pixels, const SideModel& model, SideNormal& 
     add_side(j, e, products, gradient, std::make_index_sequence<kSummed>(),
              std::make_index_sequence<kSideUnknowns>());
   }
-  for (int k = 0; k < kSummed; ++k) {
-    normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
-  }
-  for (int p = 0; p < kSideUnknowns; ++p) {
-    normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
-  }
+  sums_of_lanes(d, products, kSummed, normal.products);
+  sums_of_lanes(d, gradient, kSideUnknowns, normal.gradient);
   normal.square = hn::GetLane(hn::SumOfLanes(d, square));
 }
 
@@ -179,36 +149,8 @@ namespace calvin::detect {
 namespace {
 
 HWY_EXPORT(accumulate_side);
-HWY_EXPORT(add_bits);
-
-constexpr std::size_t kBeyond = 2 * 64;  // two of the longest vectors
 
 }  // namespace
-
-std::size_t SidePixels::append(int more) {
-  const auto before = static_cast<std::size_t>(count);
-  count += more;
-  const std::size_t needed = static_cast<std::size_t>(count) + kBeyond;
-  if (t.size() < needed) {
-    for (auto* numbers : {&t, &n, &grey, &first, &second, &beyond, &weight, &error}) {
-      numbers->resize(2 * needed, 0);
-    }
-    segment.resize(2 * needed, 0);
-  }
-  return before;
-}
-
-// What is left behind the last one are numbers that were pixels before.
-void SidePixels::finish() {
-  (void)append(0);
-  const auto end = weight.begin() + count;
-  std::fill(weight.begin(), end, 1.0F);
-  std::fill_n(end, kBeyond, 0.0F);
-}
-
-void add_bits(SidePixels& pixels, const SideBits& bits, bool beyond) noexcept {
-  HWY_DYNAMIC_DISPATCH(add_bits)(pixels, bits, beyond);
-}
 
 void accumulate_side(SidePixels& pixels, const SideModel& model, SideSums sums,
                      SideNormal& normal) noexcept {

@@ -16,21 +16,22 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr float kFewestPixels = 12;        // of a fit, by their weights
-constexpr float kLeastSwing = 3;           // grey levels
-constexpr float kLeastWidth = 0.2F;        // px
-constexpr float kLargestWidth = 8;         // px
-constexpr float kWidthPrior = 0.5F;        // 1 sigma of a step of a width's logarithm
-constexpr float kGainPrior = 2;            // px, 1 sigma of a step of the gain
-constexpr float kMostGain = 5;             // px
-constexpr float kLongestStep = 1.2F;       // px
-constexpr float kGainTolerance = 0.05F;    // px, of a step
-constexpr float kWidthTolerance = 0.015F;  // of a step of its logarithm
-constexpr float kLongestTurn = 0.3F;       // rad, in a step
-constexpr float kDamping = 1e-3F;          // Levenberg's, of the diagonal
-constexpr float kMostDrift = 0.6F;         // of the radius, from where the fit began
-constexpr double kOffMiddle = 0.9;         // px, from where a window is gathered anew
-constexpr float kLeastSine = 0.15F;        // between the edges
+constexpr float kFewestPixels = 12;       // of a fit, by their weights
+constexpr float kLeastSwing = 3;          // grey levels
+constexpr float kLeastWidth = 0.2F;       // px
+constexpr float kLargestWidth = 8;        // px
+constexpr float kWidthPrior = 0.5F;       // 1 sigma of a step of a width's logarithm
+constexpr float kGainPrior = 2;           // px, 1 sigma of a step of the gain
+constexpr float kMostGain = 5;            // px
+constexpr float kLongestStep = 1.2F;      // px
+constexpr float kGainTolerance = 0.05F;   // px, of a step
+constexpr float kWidthTolerance = 0.75F;  // of a step of its logarithm, by px of the place's
+constexpr float kGainsWidth = 0.015F;     // likewise, beside a gain, which goes with the widths
+constexpr float kLongestTurn = 0.3F;      // rad, in a step
+constexpr float kDamping = 1e-3F;         // Levenberg's, of the diagonal
+constexpr float kMostDrift = 0.6F;        // of the radius, from where the fit began
+constexpr double kOffMiddle = 0.9;        // px, from where a window is gathered anew
+constexpr float kLeastSine = 0.15F;       // between the edges
 // A window takes pixels up to this far from an edge: kNearEdge widths of its blur, and as many px
 // as its place is uncertain, before a fit or after one.
 constexpr float kNearEdge = 3;          // widths
@@ -47,8 +48,8 @@ void start(const Window& window, SaddleFit& fit, float x, float y) {
 
 Direction turned(Direction direction, float angle) {
   const Direction to = {direction.x - angle * direction.y, direction.y + angle * direction.x};
-  const float length = std::hypot(to.x, to.y);
-  return {to.x / length, to.y / length};
+  const float inverse = 1 / std::sqrt(to.x * to.x + to.y * to.y);
+  return {to.x * inverse, to.y * inverse};
 }
 
 // `step`: of the width's logarithm, so that it stays positive.
@@ -70,28 +71,31 @@ float noise_variance(const Window& window, float square, float pixels) {
 }
 
 // The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Without a
-// gain its unknown stands alone, so that the loops are of a length that the compiler knows.
+// gain its unknown stands alone. Loops over rows are of one length, so that they become vectors:
+// what they write above the diagonal is not read.
 struct Factor {
-  float l[kUnknowns][kUnknowns];  // [column][row]
-  float inverse[kUnknowns];       // of the diagonal
+  static constexpr int kRows = (kUnknowns + 3) / 4 * 4;
+  float l[kUnknowns][kRows];  // [column][row]
+  float inverse[kUnknowns];   // of the diagonal
 
   [[nodiscard]] bool compute(const float* upper, bool has_gain) {
     int k = 0;
     for (int column = 0; column < kUnknowns; ++column) {
+      std::fill_n(l[column], kRows, 0.0F);
       for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
     }
     if (!has_gain) {
-      for (int row = 0; row < kUnknowns; ++row) l[kGain][row] = row == kGain ? 1.0F : 0.0F;
+      std::fill_n(l[kGain], kRows, 0.0F);
+      l[kGain][kGain] = 1;
     }
     for (int column = has_gain ? kGain : kGain + 1; column < kUnknowns; ++column) {
       if (!(l[column][column] > 0)) return false;
       const float scale = 1 / std::sqrt(l[column][column]);
       inverse[column] = scale;
-      for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
+      for (int row = 0; row < kRows; ++row) l[column][row] *= scale;
       for (int next = column + 1; next < kUnknowns; ++next) {
-        for (int row = next; row < kUnknowns; ++row) {
-          l[next][row] -= l[column][next] * l[column][row];
-        }
+        const float share = l[column][next];
+        for (int row = 0; row < kRows; ++row) l[next][row] -= share * l[column][row];
       }
     }
     if (!has_gain) inverse[kGain] = 0;
@@ -137,12 +141,13 @@ struct StepSize {
 
   StepSize() = default;
   explicit StepSize(const float* change)
-      : shift(std::hypot(change[kX], change[kY])),
+      : shift(std::sqrt(change[kX] * change[kX] + change[kY] * change[kY])),
         turned(std::max(std::abs(change[kAlong]), std::abs(change[kDown]))),
         widened(std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]))),
         gained(std::abs(change[kGain])) {}
-  [[nodiscard]] bool is_within(float place) const {
-    return shift < place && widened < kWidthTolerance && gained < kGainTolerance;
+  [[nodiscard]] bool is_within(float place, bool has_gain) const {
+    const float width = has_gain ? kGainsWidth : kWidthTolerance * place;
+    return shift < place && widened < width && gained < kGainTolerance;
   }
   // Whether the factor of the normal equations is still good where the step leads.
   [[nodiscard]] bool is_small() const {
@@ -193,7 +198,7 @@ class Steps {
   // Takes one step. False where the fit has run away, or there is no saddle.
   [[nodiscard]] bool take(bool last);
   [[nodiscard]] bool have_converged(float place) const {
-    return !is_taken_back_ && size_.is_within(place);
+    return !is_taken_back_ && size_.is_within(place, fit_.has_gain);
   }
   // Writes what the last step has told into the fit.
   void finish();

@@ -10,8 +10,9 @@
 #include <hwy/foreach_target.h>
 // The order matters: Highway includes this file again for each target from the line above.
 #include <hwy/highway.h>
-// The model is included once for each target, too.
+// These are included once for each target, too.
 #include "calvin/detect/checkerboard/corners/saddle_model-inl.hpp"
+#include "calvin/detect/lane_sums-inl.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -190,10 +191,8 @@ void accumulate_as(Window& window, const SaddleFit& fit, float radius, float x, 
                                 std::make_index_sequence<kProducts - kFrom>(),
                                 std::make_index_sequence<kUnknowns - kFirst>());
   }
-  for (int k = kFrom; k < kProducts; ++k)
-    normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
-  for (int p = kFirst; p < kUnknowns; ++p)
-    normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
+  sums_of_lanes(d, products + kFrom, kProducts - kFrom, normal.products + kFrom);
+  sums_of_lanes(d, gradient + kFirst, kUnknowns - kFirst, normal.gradient + kFirst);
   normal.square = rows.square();
   normal.count = rows.count();
 }

@@ -15,24 +15,17 @@ namespace {
 
 constexpr std::size_t kOneOf = 8;  // of the tags of a sheet: one of many may be misread
 
-// Where the sides of a tag let the one be expected that is so many columns and rows from it.
-Quad next_to(const Quad& tag, int cols, int rows, double pitch) {
+// Whether a quad lies so many columns and rows from a tag, as the sides of that let it be expected.
+bool is_next_to(const Quad& tag, GridPlace way, double pitch, const Quad& quad) {
+  constexpr double kOff = 0.25;  // of the shortest side
+  const double off = kOff * shortest_side(tag);
   const std::array<Point, 2> across = {tag[1] - tag[0], tag[2] - tag[3]};  // the upper side first
   const std::array<Point, 2> down = {tag[3] - tag[0], tag[2] - tag[1]};    // the left side first
-  Quad next;
   for (std::size_t i = 0; i < 4; ++i) {
     const Point& right = across[i < 2 ? 0 : 1];
     const Point& below = down[i == 0 || i == 3 ? 0 : 1];
-    next[i] = tag[i] + pitch * (cols * right + rows * below);
-  }
-  return next;
-}
-
-bool is_near(const Quad& a, const Quad& b) {
-  constexpr double kOff = 0.25;  // of the shortest side
-  const double off = kOff * shortest_side(a);
-  for (std::size_t i = 0; i < 4; ++i) {
-    if ((a[i] - b[i]).norm() > off) return false;
+    const Point expected = tag[i] + pitch * (way.col * right + way.row * below);
+    if ((expected - quad[i]).squaredNorm() > off * off) return false;
   }
   return true;
 }
@@ -49,8 +42,7 @@ bool contradicts(const TagSheet& sheet, const NamedQuad& tag) {
   return std::ranges::any_of(sheet.tags(), [&](const SheetTag& own) {
     for (const GridPlace way : {GridPlace{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const GridPlace at{own.place.col + way.col, own.place.row + way.row};
-      if (is_foreign(board, at, tag.id) &&
-          is_near(next_to(own.fit.corners, way.col, way.row, pitch), tag.corners)) {
+      if (is_foreign(board, at, tag.id) && is_next_to(own.fit.corners, way, pitch, tag.corners)) {
         return true;
       }
     }
