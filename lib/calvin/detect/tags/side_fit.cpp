@@ -46,7 +46,6 @@ class SideSteps {
   [[nodiscard]] bool step();
   [[nodiscard]] bool converge();
   [[nodiscard]] bool drop_covered();
-  void count_used();
   void weigh();
   void accumulate(SideSums sums);
   [[nodiscard]] SideMatrix information() const;
@@ -87,9 +86,9 @@ class SideSteps {
   double out_ = 0;
   double out_slope_ = 0;
   SidePixels& pixels_;
-  std::array<bool, kSegments> used_{};  // not covered
-  std::array<int, kSegments> pixels_in_{};
-  SideMatrix products_;  // of pixels alone
+  std::array<bool, kSegments> used_{};      // not covered
+  std::array<int, kSegments> pixels_in_{};  // each segment, since drop_covered() has looked
+  SideMatrix products_;                     // of pixels alone
   SideVector gradient_;
   SideVector change_;
   Eigen::LLT<SideMatrix> factor_;
@@ -133,9 +132,7 @@ bool SideSteps::gather() {
   const double end = std::max(1 - from_corner, kLeastEnd);
   const SideBand near{band(room_inside(guess_)), band(room_outside(guess_)), end, width_, every_};
   gather_side(image_, frame_, guess_, curve_, near, pixels_);
-  std::ranges::transform(sums_of_segments(pixels_).count, pixels_in_.begin(),
-                         [](float count) { return static_cast<int>(count); });
-  count_used();
+  count_ = pixels_.count;
   // All of them have a weight yet.
   if (std::ranges::find(used_, false) != used_.end()) weigh();
   is_near_ = false;
@@ -144,15 +141,13 @@ bool SideSteps::gather() {
   return pixels_.count >= 3 * kSideUnknowns;
 }
 
-void SideSteps::count_used() {
-  count_ = 0;
-  for (std::size_t k = 0; k < kSegments; ++k) count_ += used_[k] ? pixels_in_[k] : 0;
-}
-
 // Gives a weight to the pixels of segments that are used.
 void SideSteps::weigh() {
+  count_ = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
-    pixels_.weight[i] = used_[pixels_.segment_of(i)] ? 1 : 0;
+    const bool is_used = used_[pixels_.segment_of(i)];
+    pixels_.weight[i] = is_used ? 1 : 0;
+    count_ += is_used ? 1 : 0;
   }
 }
 
@@ -220,7 +215,11 @@ bool SideSteps::step() {
   // The derivatives of the place grow with the contrast.
   const double levels = std::max(std::abs(change_[kSideIn]), std::abs(change_[kSideOut]));
   is_near_ = largest < kSmall && levels < kSmall * std::abs(out_ - in_);
-  change_ *= std::min(1.0, kLongest / std::max(largest, 1e-12));
+  const double share = std::min(1.0, kLongest / std::max(largest, 1e-12));
+  change_ *= share;
+  // What the step leaves of the squares: it may be the last one, and a first one that finds the
+  // side in its place may still have changed the levels by many times the noise.
+  square_ = std::max(square_ - (2 - share) * gradient_.dot(change_), 0.0);
   curve_.offset += change_[kSideOffset];
   curve_.slope += change_[kSideSlope];
   curve_.bend += change_[kSideBend];
@@ -256,6 +255,8 @@ bool SideSteps::converge() {
 // Leaves out segments that do not look like the others; whether there were any.
 bool SideSteps::drop_covered() {
   const SegmentSums sums = sums_of_segments(pixels_);
+  std::ranges::transform(sums.count, pixels_in_.begin(),
+                         [](float count) { return static_cast<int>(count); });
   const auto rms_of = [&](std::size_t i) {
     return std::sqrt(static_cast<double>(sums.square[i]) / pixels_in_[i]);
   };
@@ -278,7 +279,6 @@ bool SideSteps::drop_covered() {
     used_[i] = keep;
   }
   if (!any) return false;
-  count_used();
   weigh();
   is_near_ = false;
   return true;

@@ -18,9 +18,10 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kProfiles = 10;          // across a side
-constexpr int kFewestPlaces = 4;       // of a side that leaves the image
-constexpr double kLastProfile = 0.85;  // |t|
+constexpr int kProfiles = 10;              // across a side
+constexpr int kFewestPlaces = 4;           // of a side that leaves the image
+constexpr double kLastProfile = 0.85;      // |t|
+constexpr std::size_t kMostSamples = 256;  // of a profile
 constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // a grey level outside
 
 struct Steepest {
@@ -34,26 +35,33 @@ std::optional<Steepest> steepest_at(const ImageView& image, const SideFrame& fra
   // Far enough for the noise, near enough for a narrow gap: the reach ends well before it.
   const double step = std::clamp(0.25 * guess.reach, 0.25, 1.0);
   constexpr std::size_t kApart = 4;  // steps between the grey levels that are compared
-  const auto places = static_cast<int>(2 * guess.reach / step + 1e-9) + 1;
-  const int samples = places + static_cast<int>(kApart);
+  const int places =
+      std::min(static_cast<int>(2 * guess.reach / step + 1e-9) + 1, int{kMostSamples - kApart});
+  const int samples = places + int{kApart};
   const double before = guess.bend * (1 - t * t);
   const auto across = [&](int i) { return -guess.reach + (i - 0.5 * kApart) * step; };
   const Point first = frame.at(t, before + across(0));
   const Point by = step * frame.outwards();
   const bool is_whole = is_in(image, first) && is_in(image, first + (samples - 1) * by);
-  Steepest best{t, 0, 0};
-  std::array<float, kApart> last;
-  last.fill(kNowhere);
+  std::array<float, kMostSamples> grey;
   for (int i = 0; i < samples; ++i) {
     const Point p = first + i * by;
     const auto x = static_cast<float>(p.x());
     const auto y = static_cast<float>(p.y());
-    const float out = is_whole ? grey_inside(image, x, y) : grey_at(image, x, y).value_or(kNowhere);
-    const float in = std::exchange(last[static_cast<std::size_t>(i) % kApart], out);
-    const double change = static_cast<double>(out - in) * (guess.inverted ? -1 : 1);
-    // A change from or to nowhere is no number, and not larger.
-    if (change > best.change) best = {t, across(i) - 0.5 * kApart * step, change};
+    grey[static_cast<std::size_t>(i)] =
+        is_whole ? grey_inside(image, x, y) : grey_at(image, x, y).value_or(kNowhere);
   }
+  const float sign = guess.inverted ? -1 : 1;
+  int steepest = 0;
+  float most = 0;
+  for (int i = 0; i < places; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    // A change from or to nowhere is no number, and not larger.
+    const float change = sign * (grey[at + kApart] - grey[at]);
+    steepest = change > most ? i : steepest;
+    most = change > most ? change : most;
+  }
+  const Steepest best{t, -guess.reach + steepest * step, static_cast<double>(most)};
   constexpr double kLeast = 4;  // grey levels
   if (best.change < kLeast) return std::nullopt;
   return best;
