@@ -289,6 +289,7 @@ class CalibrationSession {
   [[nodiscard]] bool exchanges_views() const;
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] ViewWorth worth(const View& view);
+  void change_hint(Hint next);
   // The board is seen there: from there the hint leads to the outline, if there is one.
   void guide_from(const View& view);
   // A view was taken: whether something else is to be asked for now.
@@ -358,7 +359,7 @@ class CalibrationSession {
   ViewGuide::Views missed_;                // the newest views that were asked for in vain
   GuidedCapture capture_;
   std::uint64_t accepted_at_ = kNoTimestamp;  // timestamp of the newest view
-  std::uint64_t hint_since_ = kNoTimestamp;   // timestamp at which the hint last changed
+  std::uint64_t hint_since_ = kNoTimestamp;   // of the frame at which the hint last changed
   bool leads_ = false;                   // the hint: from where the board is seen to the outline
   std::map<std::string, Board> boards_;  // by their texts, of the newest frames
 

@@ -79,6 +79,11 @@ void CalibrationSession::leave_stale_target(std::uint64_t now) {
   renew_hint();
 }
 
+void CalibrationSession::change_hint(Hint next) {
+  if (next != hint_) hint_since_ = newest_;
+  hint_ = std::move(next);
+}
+
 // Words that change with every twitch of a hand cannot be followed.
 void CalibrationSession::guide_from(const View& view) {
   constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
@@ -87,11 +92,11 @@ void CalibrationSession::guide_from(const View& view) {
   if (!seen) return;
   Hint next = hint_towards(*guide_->footprint(), *seen);
   next.target = hint_.target;
-  const std::uint64_t now = view.observation.timestamp;
-  const bool known = now != kNoTimestamp && hint_since_ != kNoTimestamp && now >= hint_since_;
-  if (leads_ && (next == hint_ || (known && now - hint_since_ < kReadable))) return;
-  hint_ = next;
-  hint_since_ = now;
+  if (leads_ && next == hint_) return;
+  const bool is_timed = newest_ != kNoTimestamp && hint_since_ != kNoTimestamp;
+  if (is_timed && newest_ >= hint_since_ && newest_ - hint_since_ < kReadable) return;
+  change_hint(next);
+  hint_since_ = newest_;
   leads_ = true;
 }
 
@@ -189,23 +194,23 @@ void CalibrationSession::renew_hint() {
   const bool has_target = guide_ && guide_->target();
   leads_ = leads_ && has_target;
   if (finished_) {
-    hint_ = {HintKind::kDone};
+    change_hint({HintKind::kDone});
     leads_ = false;
     return;
   }
   if (guide_ && is_good_enough_) {
-    hint_ = {HintKind::kGood};
+    change_hint({HintKind::kGood});
     leads_ = false;
     return;
   }
   if (has_target) {
-    if (!leads_) hint_ = views_.hint();
+    if (!leads_) change_hint(views_.hint());
     hint_.target = to_pose(*guide_->target());
     const Observation* seen = board_ && !leads_ ? views_.newest(board_->text()) : nullptr;
     if (seen) guide_from({*seen, *board_});
     return;
   }
-  hint_ = views_.hint();
+  change_hint(views_.hint());
   if (!board_) return;
   if (const auto now = camera()) hint_.target = hint_target(views_.coverage(), *board_, *now);
 }
