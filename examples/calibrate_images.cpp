@@ -247,6 +247,14 @@ calvin::Status check_texts(const Options& options) {
   return exports ? calvin::Status() : tl::unexpected(exports.error());
 }
 
+// The element asks so once in a while; of few pictures it would not.
+void print_other_board(const Options& options, const Folder& folder, const Outcome& outcome) {
+  const std::string other = calibrate_images::other_board(options.board, folder.pictures);
+  const bool is_said = std::ranges::any_of(
+      outcome.reasons, [&](const auto& reason) { return reason.second.starts_with(other); });
+  if (!other.empty() && !is_said) fmt::print(stderr, "{}: see --board.\n", other);
+}
+
 int run_tool(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return kUsage;
@@ -265,6 +273,7 @@ int run_tool(int argc, char** argv) {
   const Outcome outcome = calibrate_images::run(pipeline, folder.pictures, options.board);
   gst_object_unref(pipeline);
   print_pictures(folder, outcome);
+  if (outcome.corners.empty()) print_other_board(options, folder, outcome);
   if (!outcome.calibration) return kFailed;
   calvin_tools::print(*outcome.calibration);
   const bool good = print_verdict(options, *outcome.calibration);

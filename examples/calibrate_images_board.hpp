@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calvin-calibrate-images --board auto: which board the pictures show. A stream takes a board up
-// with the frame in which it is sure; pictures before that one would be lost.
+// Which board the pictures show: for calvin-calibrate-images --board auto, since a stream takes a
+// board up with the frame in which it is sure and pictures before that one would be lost; and where
+// none of them shows the board that was asked for.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,6 +18,7 @@
 #include "calibrate_images_decode.hpp"
 #include "calibrate_images_folder.hpp"
 #include "calvin/detect/board_identifier.hpp"
+#include "calvin/io/board_names.hpp"
 
 namespace calibrate_images {
 
@@ -45,6 +49,21 @@ inline std::optional<std::string> board_seen(const std::string& text,
     if (const auto certain = identifier.certain()) return certain->text();
   }
   return std::nullopt;
+}
+
+// "This is charuco:..., I look for ...", where none of the pictures shows one of the boards of a
+// text; empty where nobody knows what they show.
+inline std::string other_board(const std::string& text, const std::vector<Picture>& pictures) {
+  constexpr std::size_t kMost = 8;  // of them are looked at
+  auto boards = calvin::parse_boards(text);
+  if (!boards) return "";
+  calvin::BoardIdentifier identifier(*std::move(boards));
+  for (std::size_t i = 0; i < std::min(kMost, pictures.size()); ++i) {
+    const auto sample = decode(pictures[i].path);
+    if (sample) look(*sample, identifier);
+    if (std::string hint = identifier.hint(); !hint.empty()) return hint;
+  }
+  return "";
 }
 
 }  // namespace calibrate_images

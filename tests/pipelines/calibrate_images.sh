@@ -186,6 +186,13 @@ leaves 0 --verdict exact
 leaves 0 --accuracy 1 exact
 leaves 3 --accuracy 0.0001 exact
 grep -q 'verdict: not good enough, accurate to' out || fail "no verdict: $(cat out)"
+# A few pictures of another board, which no element has had the time to name.
+mkdir others
+gst-launch-1.0 -q calibtestsrc num-buffers=3 board=puzzle:8x6:30mm ! \
+  video/x-raw,width=640,height=480 ! pngenc ! multifilesink location=others/%02d.png
+expect 1 'This is puzzle:8x6:30mm, I look for circles:7x5:30mm: see --board' \
+  "$images" --board circles:7x5:30mm --output new others
+
 # Nothing is wrong with three noisy pictures but that they tell little.
 mkdir few
 gst-launch-1.0 -q calibtestsrc num-buffers=3 noise=20 ! video/x-raw,width=640,height=480 ! \
