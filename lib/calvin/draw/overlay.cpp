@@ -236,7 +236,7 @@ std::string figures_of(const Progress& progress) {
       2 * anywhere < 10 ? fmt::format("{:.2f}", 2 * anywhere) : fmt::format("{:.3g}", 2 * anywhere);
   const double wanted = progress.wanted_error_anywhere.value_or(HUGE_VAL);
   const std::string goal =
-      anywhere > wanted ? fmt::format(", where {:.2f} px is wanted", 2 * wanted) : std::string();
+      anywhere > wanted ? fmt::format("; {:.2f} px is wanted there", 2 * wanted) : std::string();
   return fmt::format("{} where the board was, {} px elsewhere{}", text, elsewhere, goal);
 }
 

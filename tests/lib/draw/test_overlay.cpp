@@ -47,8 +47,8 @@ TEST(OverlayCaption, SaysWhatIsKnown) {
   progress.expected_error_anywhere = 23.87;
   progress.wanted_error_anywhere = 0.15;
   EXPECT_EQ(overlay_caption(progress),
-            "show the board (12 views, accurate to 0.36 px where the board was, 47.7 px elsewhere, "
-            "where 0.30 px is wanted)");
+            "show the board (12 views, accurate to 0.36 px where the board was, 47.7 px elsewhere; "
+            "0.30 px is wanted there)");
   // What is better than that is enough.
   progress.expected_error = 0.01;
   progress.expected_error_anywhere = 0.0438;
