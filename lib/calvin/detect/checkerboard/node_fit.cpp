@@ -192,6 +192,22 @@ void take(const SaddleFit& fit, Node& node) {
   node.sigma = fit.sigma;
 }
 
+void put_between_neighbours(Lattice& lattice, Cell c) {
+  for (const Cell step : {Cell{1, 0}, Cell{0, 1}}) {
+    if (!lattice.has(c + step) || !lattice.has(c - step)) continue;
+    const auto expected = lattice.expect(c);
+    if (!expected) return;
+    const Node& beside = lattice.at(c + step);
+    Node& node = lattice.at(c);
+    node.x = expected->x;
+    node.y = expected->y;
+    node.along = beside.along;
+    node.down = beside.down;
+    node.width = beside.width;
+    return;
+  }
+}
+
 SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c, float radius,
                     EdgeWidths widths, int steps) {
   const Node& node = lattice.at(c);

@@ -83,6 +83,10 @@ void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected);
 // Moves a node to where it was fitted.
 void take(const SaddleFit& fit, Node& node);
 
+// Moves a node to where its neighbours let it be expected, where it has one on both sides: what is
+// printed next to a corner may hide it in a smaller level, and lead its fit away.
+void put_between_neighbours(Lattice& lattice, Cell c);
+
 // A fit of a node by itself; its noise is infinite where there is no corner.
 [[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
                                   float radius, EdgeWidths widths, int steps);

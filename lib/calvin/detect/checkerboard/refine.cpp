@@ -20,6 +20,7 @@ namespace {
 constexpr float kPrune = 0.3F;  // of the spacing
 constexpr int kFewestToRefine = 4;
 constexpr float kLevelRadius = 5;          // px, in a smaller level
+constexpr int kLevelSteps = 6;             // likewise
 constexpr float kLeastSwingShare = 0.25F;  // of the median
 // A corner that a hand or a shadow covers in part is not symmetric, which shows as noise.
 constexpr float kNoisiest = 3;  // of the median
@@ -51,6 +52,7 @@ void Refinement::begin(const Lattice& lattice) {
 
 void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted) {
   begin(lattice);
+  unfitted_.clear();
   const auto scale = static_cast<float>(1 << level);
   lattice.for_each([&](Cell c, const Node& node) {
     if (node.guessed) {
@@ -62,11 +64,12 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     SaddleFit f = fit(c);
     const float radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, kLevelRadius);
     const bool good =
-        fit_saddle(pyramid.level(level), radius, 6, f, kRoughly, Pixels::kPoints) &&
+        fit_saddle(pyramid.level(level), radius, kLevelSteps, f, kRoughly, Pixels::kPoints) &&
         colours_fit(f, c) &&
         std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
     // A fit that runs away is dropped: the fit in the image will tell.
-    if (good) fit(c) = f;
+    if (!good) return unfitted_.push_back(c);
+    fit(c) = f;
   });
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const SaddleFit& f = fit(c);
@@ -81,6 +84,7 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     node.width = scale * std::sqrt(std::max(width * width - own, 0.5F / (scale * scale)));
     node.width = std::min(node.width, kWidestEdge);
   });
+  for (const Cell c : unfitted_) put_between_neighbours(lattice, c);
 }
 
 float Refinement::most_noise() const { return std::max(kNoisiest * usual_noise_, kMostNoise); }

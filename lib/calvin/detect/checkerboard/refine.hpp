@@ -87,9 +87,10 @@ class Refinement {
   void recover_lost(const ImageView& image, Lattice& lattice, std::span<const Cell> board);
 
   FitGrid fits_;
-  FitGrid inner_fits_;       // in smaller windows
-  std::vector<Cell> cells_;  // of the nodes to begin with
-  float usual_noise_ = 0;    // median of noise over contrast
+  FitGrid inner_fits_;          // in smaller windows
+  std::vector<Cell> cells_;     // of the nodes to begin with
+  std::vector<Cell> unfitted_;  // those whose fit in a smaller level has failed
+  float usual_noise_ = 0;       // median of noise over contrast
   bool in_noise_ = false;
   float usual_along_ = 1;  // px, median width of the edges, in noise alone
   float usual_down_ = 1;
