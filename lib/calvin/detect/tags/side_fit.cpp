@@ -87,7 +87,7 @@ class SideSteps {
   double out_slope_ = 0;
   SidePixels& pixels_;
   std::array<bool, kSegments> used_{};      // not covered
-  std::array<int, kSegments> pixels_in_{};  // each segment, since drop_covered() has looked
+  std::array<int, kSegments> pixels_in_{};  // each segment, as drop_covered() saw it
   SideMatrix products_;                     // of pixels alone
   SideVector gradient_;
   SideVector change_;

@@ -178,8 +178,9 @@ std::pair<int, int> rows_near(const ImageView& image, const SideFrame& frame,
   const double corners[] = {frame.at(-band.end, lowest).y(), frame.at(-band.end, highest).y(),
                             frame.at(band.end, lowest).y(), frame.at(band.end, highest).y()};
   const auto [top, bottom] = std::ranges::minmax(corners);
-  return {static_cast<int>(std::max(0.0, std::ceil(top))),
-          static_cast<int>(std::min(image.height - 1.0, std::floor(bottom)))};
+  const double end = image.height;
+  return {static_cast<int>(std::clamp(std::ceil(top), 0.0, end)),
+          static_cast<int>(std::clamp(std::floor(bottom), -1.0, end - 1))};
 }
 
 // The pixels of the rows near a curve.
