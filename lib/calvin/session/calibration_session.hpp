@@ -289,7 +289,7 @@ class CalibrationSession {
   [[nodiscard]] bool exchanges_views() const;
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] ViewWorth worth(const View& view);
-  void change_hint(Hint next);
+  void change_hint(Hint next);  // and notes since when it is another one
   // The board is seen there: from there the hint leads to the outline, if there is one.
   void guide_from(const View& view);
   // A view was taken: whether something else is to be asked for now.

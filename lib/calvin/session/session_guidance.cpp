@@ -95,7 +95,7 @@ void CalibrationSession::guide_from(const View& view) {
   if (leads_ && next == hint_) return;
   const bool is_timed = newest_ != kNoTimestamp && hint_since_ != kNoTimestamp;
   if (is_timed && newest_ >= hint_since_ && newest_ - hint_since_ < kReadable) return;
-  change_hint(next);
+  hint_ = next;
   hint_since_ = newest_;
   leads_ = true;
 }

@@ -71,31 +71,28 @@ float noise_variance(const Window& window, float square, float pixels) {
 }
 
 // The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Without a
-// gain its unknown stands alone. Loops over rows are of one length, so that they become vectors:
-// what they write above the diagonal is not read.
+// gain its unknown stands alone, so that the loops are of a length that the compiler knows.
 struct Factor {
-  static constexpr int kRows = (kUnknowns + 3) / 4 * 4;
-  float l[kUnknowns][kRows];  // [column][row]
-  float inverse[kUnknowns];   // of the diagonal
+  float l[kUnknowns][kUnknowns];  // [column][row]
+  float inverse[kUnknowns];       // of the diagonal
 
   [[nodiscard]] bool compute(const float* upper, bool has_gain) {
     int k = 0;
     for (int column = 0; column < kUnknowns; ++column) {
-      std::fill_n(l[column], kRows, 0.0F);
       for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
     }
     if (!has_gain) {
-      std::fill_n(l[kGain], kRows, 0.0F);
-      l[kGain][kGain] = 1;
+      for (int row = 0; row < kUnknowns; ++row) l[kGain][row] = row == kGain ? 1.0F : 0.0F;
     }
     for (int column = has_gain ? kGain : kGain + 1; column < kUnknowns; ++column) {
       if (!(l[column][column] > 0)) return false;
       const float scale = 1 / std::sqrt(l[column][column]);
       inverse[column] = scale;
-      for (int row = 0; row < kRows; ++row) l[column][row] *= scale;
+      for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
       for (int next = column + 1; next < kUnknowns; ++next) {
-        const float share = l[column][next];
-        for (int row = 0; row < kRows; ++row) l[next][row] -= share * l[column][row];
+        for (int row = next; row < kUnknowns; ++row) {
+          l[next][row] -= l[column][next] * l[column][row];
+        }
       }
     }
     if (!has_gain) inverse[kGain] = 0;
