@@ -178,16 +178,13 @@ class Surface {
 };
 
 // The surface through the values that do not stand out from a first surface, because something may
-// lie over a part of the board. The lattice reaches from `first` to `last`; `variance` is that of
-// Surface::solve().
+// lie over a part of the board. `none` has no values, `all` has all of them, and neither is solved;
+// `variance` is that of Surface::solve().
 template <int kDegree>
-[[nodiscard]] Surface<kDegree> surface_through(const LatticePlace& first, const LatticePlace& last,
+[[nodiscard]] Surface<kDegree> surface_through(const Surface<kDegree>& none, Surface<kDegree> all,
                                                std::span<const PlacedValue> values,
                                                double variance) {
   constexpr double kOut = 5;  // times the median distance from the first surface
-  const Surface<kDegree> none(first, last);
-  Surface<kDegree> all = none;
-  for (const PlacedValue& v : values) all.add(v);
   all.solve(variance);
   if (values.empty()) return all;
   std::vector<double> off(values.size());

@@ -232,13 +232,23 @@ bool guess_between(const ImageView& image, const Lattice& lattice, Cell cell, No
          guess_at(lattice, cell, *expected, node);
 }
 
+// Whether what is expected in a cell may depend on one of these: by three nodes in a row at most.
+bool is_near_any(Cell cell, std::span<const Cell> nodes) {
+  constexpr int kReach = 3;
+  return std::ranges::any_of(nodes, [&](Cell c) {
+    return std::abs(c.col - cell.col) <= kReach && std::abs(c.row - cell.row) <= kReach;
+  });
+}
+
 // Whether a node stands where another does: a lattice that was bent wrongly comes round to itself.
 bool is_doubled(const Lattice& lattice, Cell cell, const Node& node) {
   const auto expected = lattice.expect(cell);
   const float reach = kFarOff * (expected ? expected->spacing : kLeastSpacing);
   bool found = false;
   lattice.for_each([&](Cell, const Node& other) {
-    found = found || std::hypot(other.x - node.x, other.y - node.y) < reach;
+    const float dx = other.x - node.x;
+    const float dy = other.y - node.y;
+    found = found || dx * dx + dy * dy < reach * reach;
   });
   return found;
 }
@@ -354,24 +364,28 @@ void BoardSearch::fill(const Group& group, Lattice& lattice) {
 }
 
 void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough, bool guessing) {
+  std::vector<Cell> last;   // what the last pass has added
+  std::vector<Cell> added;  // by this one
   for (int pass = 0; pass < kPasses && lattice.count() < enough; ++pass) {
     const CellRange e = lattice.extent();
-    bool added = false;
+    last.swap(added);
+    added.clear();
     for (int row = e.first.row - 1; row <= e.last.row + 1; ++row) {
       for (int col = e.first.col - 1; col <= e.last.col + 1; ++col) {
         Node node;
         const Cell cell = {col, row};
         if (!lattice.in_reach(cell) || lattice.has(cell)) continue;
+        if (pass > 0 && !is_near_any(cell, last) && !is_near_any(cell, added)) continue;
         if (!find_node(image, lattice, cell, node) &&
             !(guessing && guess_between(image, lattice, cell, node))) {
           continue;
         }
         if (is_doubled(lattice, cell, node)) continue;
         lattice.put(cell, node);
-        added = true;
+        added.push_back(cell);
       }
     }
-    if (!added) break;
+    if (added.empty()) break;
   }
   lattice.prune(kFarOff);
 }

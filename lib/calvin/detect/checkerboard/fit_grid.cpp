@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,12 +25,20 @@ LatticePlace moved(const LatticePlace& from, Cell step, double by) {
   return {from.col + by * step.col, from.row + by * step.row};
 }
 
+// A surface without values.
+template <int kDegree>
+Surface<kDegree> flat(const Lattice& lattice) {
+  const CellRange extent = lattice.extent();
+  return {lattice.place(extent.first), lattice.place(extent.last)};
+}
+
 template <int kDegree>
 Surface<kDegree> surface_over(const Lattice& lattice, std::span<const PlacedValue> values,
                               double variance) {
-  const CellRange extent = lattice.extent();
-  return surface_through<kDegree>(lattice.place(extent.first), lattice.place(extent.last), values,
-                                  variance);
+  const Surface<kDegree> none = flat<kDegree>(lattice);
+  Surface<kDegree> all = none;
+  for (const PlacedValue& v : values) all.add(v);
+  return surface_through<kDegree>(none, all, values, variance);
 }
 
 // A row or a column of corners, and how it bends: from three nodes in a row at a time.
@@ -176,13 +185,14 @@ std::optional<PlacedValue> bend_of_both(const Lattice& lattice, const Line& line
 }
 
 // Sets the bends of all rows, or of all columns, to the values of the surface, and moves each fit
-// to where a fit with that bend will find its corner.
+// to where a fit with that bend will find its corner. Returns the longest of these ways, px.
 template <int kDegree>
-void take_bends(const Lattice& lattice, Cell step, const Line& line,
-                const Surface<kDegree>& surface, FitGrid& fits) {
+double take_bends(const Lattice& lattice, Cell step, const Line& line,
+                  const Surface<kDegree>& surface, FitGrid& fits) {
   // Three nodes give the mean of the bend over two squares, weighted by a triangle: off by 1/12 of
   // the second difference of the bends. A window reaches half as far and is off by a part of that.
   constexpr double kOfChange = 1.0 / 15;
+  double most = 0;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const LatticePlace within = lattice.place(line.within(c));
     const double change = surface.at(moved(within, step, -1)) - 2 * surface.at(within) +
@@ -195,18 +205,24 @@ void take_bends(const Lattice& lattice, Cell step, const Line& line,
     f.x += move * static_cast<double>(side.x);
     f.y += move * static_cast<double>(side.y);
     own = static_cast<float>(bend);
+    most = std::max(most, std::abs(move));
   });
+  return most;
 }
 
-void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
+// Returns the longest way of a fit, px.
+double set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   // The fewest nodes of a line for a surface of the fifth degree: from fewer, its error grows
   // without bound towards the ends of the line.
   constexpr int kLong = 6;
   const Line line(lattice, fits, step);
   // Nodes between others first, the ends of lines after them.
   std::vector<PlacedValue> bends;
+  const Surface<5> none = flat<5>(lattice);
+  Surface<5> all = none;
   const auto add = [&](Cell c) {
     bends.push_back({line.place(c), line.bend(c), 1 / line.variance(c)});
+    all.add(bends.back());
   };
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     if (line.has_both(c)) add(c);
@@ -217,14 +233,14 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
     const auto plain = surface_over<2>(lattice, bends, 1);
     return take_bends(lattice, step, line, plain, fits);
   }
-  auto surface = surface_over<5>(lattice, bends, 1);
+  auto surface = surface_through(none, all, bends, 1);
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     if (line.has_any(c) && !line.has_both(c)) add(c);
   });
   if (ends_agree(std::span(bends).subspan(between), surface)) {
-    surface = surface_over<5>(lattice, bends, 1);
+    surface = surface_through(none, all, bends, 1);
   }
-  take_bends(lattice, step, line, surface, fits);
+  return take_bends(lattice, step, line, surface, fits);
 }
 
 // set_bends_of() with what windows of two sizes tell. Returns the bends.
@@ -238,19 +254,22 @@ Surface<5> correct_bends_of(const Lattice& lattice, Cell step, const FitGrid& in
     if (both) bends.push_back(*both);
   });
   const auto surface = surface_over<5>(lattice, bends, 1);
-  take_bends(lattice, step, line, surface, fits);
+  std::ignore = take_bends(lattice, step, line, surface, fits);
   return surface;
 }
 
 }  // namespace
 
 void set_bends(const Lattice& lattice, FitGrid& fits) {
-  // The first fits took edges for straight and are off, and so are the bends computed from them:
-  // the second round starts from places that the first has corrected.
+  // The first fits took edges for straight and are off, and so are the bends computed from them: a
+  // second round starts from places that the first has corrected, where it has moved any by so much
+  // that bends, which are differences of neighbours, change.
+  constexpr double kFar = 0.03;  // px
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds; ++round) {
-    set_bends_of(lattice, {1, 0}, fits);
-    set_bends_of(lattice, {0, 1}, fits);
+    const double along = set_bends_of(lattice, {1, 0}, fits);
+    const double down = set_bends_of(lattice, {0, 1}, fits);
+    if (std::max(along, down) < kFar) return;
   }
 }
 

@@ -120,10 +120,13 @@ bool confirm_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
 
 void confirm_guesses(const ImageView& image, Lattice& lattice) {
   constexpr float kPrune = 0.5F;  // of the spacing
+  bool any = false;
   lattice.for_each([&](Cell c, const Node& node) {
-    if (node.guessed && !confirm_guess(image, lattice, c, lattice.at(c))) lattice.refuse(c);
+    if (!node.guessed) return;
+    any = true;
+    if (!confirm_guess(image, lattice, c, lattice.at(c))) lattice.refuse(c);
   });
-  lattice.prune(kPrune);
+  if (any) lattice.prune(kPrune);
 }
 
 }  // namespace calvin::detect

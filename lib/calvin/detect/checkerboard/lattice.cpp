@@ -15,7 +15,11 @@ namespace {
 constexpr float kShortestSpacing =
     3;  // px; smaller ones count as this, for places are rounded to pixels
 
-float distance(const Node& a, const Node& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+// Places are px: their squares do not overflow, which std::hypot() takes time to avoid.
+template <typename To>
+float distance(const Node& a, const To& b) {
+  return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
+}
 
 // The weights of nodes at the places pa, pb and pd of a line, for what is expected at its place 0:
 // by a straight line through the first two of them, or by the mean of that and the parabola through
@@ -25,8 +29,8 @@ struct Extrapolation {
   float b;
   float d = 0;
 
-  Extrapolation(float pa, float pb) : a(1 + pa / (pb - pa)), b(-pa / (pb - pa)) {}
-  Extrapolation(float pa, float pb, float pd) : Extrapolation(pa, pb) {
+  constexpr Extrapolation(float pa, float pb) : a(1 + pa / (pb - pa)), b(-pa / (pb - pa)) {}
+  constexpr Extrapolation(float pa, float pb, float pd) : Extrapolation(pa, pb) {
     const float straight = pb - pa < pa ? 0 : 0.5F;
     const float bent = 1 - straight;
     a = straight * a + bent * pb * pd / ((pa - pb) * (pa - pd));
@@ -96,7 +100,7 @@ void Lattice::refuse(Cell c) {
 bool Lattice::was_refused(Cell c, const Expected& at) const {
   constexpr float kSamePlace = 0.1F;  // of the spacing
   const Node& node = nodes_[index(c)];
-  return node.refused && std::hypot(node.x - at.x, node.y - at.y) < kSamePlace * at.spacing;
+  return node.refused && distance(node, at) < kSamePlace * at.spacing;
 }
 
 CellRange Lattice::extent() const {
@@ -127,14 +131,18 @@ void Lattice::add_extrapolation(Cell c, Cell step, Votes& votes) const {
   const float pa = length(c, step);
   const float ab = length(c + step, step);
   const float between = distance(a, b) / ab;
+  constexpr Extrapolation kEvenOfTwo(1, 2);
+  constexpr Extrapolation kEvenOfThree(1, 2, 3);
   if (!has(c + 3 * step)) {
-    const Extrapolation by(pa, pa + ab);
+    const Extrapolation by = has_even_steps() ? kEvenOfTwo : Extrapolation(pa, pa + ab);
     const float weight = ab < pa ? ab * ab / (pa * pa) : 1;
     votes.add(by.a * a.x + by.b * b.x, by.a * a.y + by.b * b.y, between, weight);
     return;
   }
   const Node& d = at(c + 3 * step);
-  const Extrapolation by(pa, pa + ab, pa + ab + length(c + 2 * step, step));
+  const float bd = length(c + 2 * step, step);
+  const Extrapolation by =
+      has_even_steps() ? kEvenOfThree : Extrapolation(pa, pa + ab, pa + ab + bd);
   votes.add(by.a * a.x + by.b * b.x + by.d * d.x, by.a * a.y + by.b * b.y + by.d * d.y, between);
 }
 
@@ -169,9 +177,7 @@ std::optional<Expected> Lattice::expect(Cell c) const {
 float Lattice::misfit(Cell c) const {
   const auto expected = expect(c);
   if (!expected) return 0;
-  const Node& node = at(c);
-  return std::hypot(node.x - expected->x, node.y - expected->y) /
-         std::max(expected->spacing, kShortestSpacing);
+  return distance(at(c), *expected) / std::max(expected->spacing, kShortestSpacing);
 }
 
 void Lattice::prune(float share) {

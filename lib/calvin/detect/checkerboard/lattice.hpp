@@ -103,6 +103,7 @@ class Lattice {
   }
   // The length of a step of one cell along a line, in mean steps.
   [[nodiscard]] float length(Cell from, Cell step) const {
+    if (has_even_steps()) return 1;
     return step.row == 0 ? std::abs(place(from.col + step.col, true) - place(from.col, true))
                          : std::abs(place(from.row + step.row, false) - place(from.row, false));
   }
@@ -136,7 +137,7 @@ class Lattice {
 
   template <typename F>
   void for_each(F f) const {
-    const CellRange e = extent();
+    const CellRange e = touched_;
     for (int row = e.first.row; row <= e.last.row; ++row) {
       for (int col = e.first.col; col <= e.last.col; ++col) {
         if (has({col, row})) f(Cell{col, row}, at({col, row}));

@@ -141,6 +141,11 @@ void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected) 
   expected.down = unit({a * below.x - b * right.x, a * below.y - b * right.y}, expected.down);
 }
 
+void take_widths(const SaddleFit& from, float least, SaddleFit& fit) {
+  fit.along_width = std::max(from.along_width, least);
+  fit.down_width = std::max(from.down_width, least);
+}
+
 SaddleFit parted_fit(SaddleFit fit) {
   constexpr float kPartedWidth = 2;  // px, from which the steps find the gap
   fit.contrast = 0;
@@ -209,10 +214,9 @@ void put_between_neighbours(Lattice& lattice, Cell c) {
 }
 
 SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c, float radius,
-                    EdgeWidths widths, int steps) {
+                    SaddleFit f, int steps) {
   const Node& node = lattice.at(c);
   const float spacing = spacing_at(lattice, c);
-  SaddleFit f = widths.in(fit_of(node));
   f.room = room_at(lattice, c);
   radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, radius);
   bool good = fit_saddle(image, radius, steps, f, kRoughly);
@@ -230,33 +234,46 @@ SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c, floa
 
 namespace {
 
-// Whether the next corner is likely to have the widths of a fit: noise spoils them.
+// Whether the next corner is likely to look as a fit: noise spoils its widths.
 bool is_clear(const SaddleFit& fit) {
   constexpr float kMost = 0.05F;  // noise, of the contrast
   return !fit.has_gain && fit.noise <= kMost * fit.swing();
 }
 
+// Where the fit of a node begins that is likely to look as the one before it.
+SaddleFit fit_like(const SaddleFit& last, const Node& node, Cell c) {
+  constexpr float kNarrowest = 0.5F;  // px: with less, pixels near the edges are too few
+  SaddleFit fit = fit_of(node);
+  take_widths(last, kNarrowest, fit);
+  fit.level = last.level;
+  fit.contrast = Lattice::is_even(c) ? std::abs(last.contrast) : -std::abs(last.contrast);
+  return fit;
+}
+
 }  // namespace
 
-SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c, EdgeWidths& widths) {
+SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c, SaddleFit& last) {
   const auto is_good = [](const SaddleFit& f) { return f.noise <= kMostNoise * f.swing(); };
-  const float width = lattice.at(c).width;
+  const Node& node = lattice.at(c);
   SaddleFit best;
   best.noise = std::numeric_limits<float>::infinity();
-  if (widths.are_known()) best = quick_fit(image, lattice, c, kFirstRadius, widths, 8);
+  if (last.contrast != 0) {
+    best = quick_fit(image, lattice, c, kFirstRadius, fit_like(last, node, c), 8);
+  }
   if (!is_good(best)) {
-    const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(width), 8);
+    const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, fit_of(node), 8);
     if (f.noise < best.noise) best = f;
   }
   // A badly placed node needs a larger window, one with something else near it a smaller one.
   for (const bool wide : {true, false}) {
     if (is_good(best)) break;
-    const EdgeWidths wider(std::max(2.5F, 1.5F * width));
-    const SaddleFit f = wide ? quick_fit(image, lattice, c, kLastRadius, wider, 12)
-                             : quick_fit(image, lattice, c, kCloseRadius, EdgeWidths(width), 8);
+    SaddleFit start = fit_of(node);
+    if (wide) start.along_width = start.down_width = std::max(2.5F, 1.5F * node.width);
+    const SaddleFit f = wide ? quick_fit(image, lattice, c, kLastRadius, start, 12)
+                             : quick_fit(image, lattice, c, kCloseRadius, start, 8);
     if (f.noise < best.noise) best = f;
   }
-  if (is_clear(best)) widths = EdgeWidths(best);
+  if (is_clear(best)) last = best;
   return best;
 }
 

@@ -21,22 +21,6 @@ inline constexpr float kFirstRadius = 8;      // px, of the first fit
 inline constexpr float kMostNoise = 0.15F;    // of the contrast
 inline constexpr float kLargestMove = 0.35F;  // of the spacing, between levels
 
-// The widths from which a fit begins, px; 0 where they are not known.
-struct EdgeWidths {
-  float along = 0;
-  float down = 0;
-
-  EdgeWidths() = default;
-  explicit EdgeWidths(float both) : along(both), down(both) {}
-  explicit EdgeWidths(const SaddleFit& of) : along(of.along_width), down(of.down_width) {}
-  [[nodiscard]] bool are_known() const { return along > 0; }
-  [[nodiscard]] SaddleFit in(SaddleFit fit) const {
-    fit.along_width = along;
-    fit.down_width = down;
-    return fit;
-  }
-};
-
 // The distance from a node to the nearest of the next grid lines, px.
 [[nodiscard]] float spacing_at(const Lattice& lattice, Cell c);
 
@@ -55,7 +39,10 @@ struct EdgeWidths {
 // Where the fit of a node begins.
 [[nodiscard]] SaddleFit fit_of(const Node& node);
 
-// The same for squares that light or ink has parted, where what was fitted without that may be a
+// Lets a fit begin with the widths of another one, at `least` px.
+void take_widths(const SaddleFit& from, float least, SaddleFit& fit);
+
+// fit_of() for squares that light or ink has parted, where what was fitted without that may be a
 // far too wide edge.
 [[nodiscard]] SaddleFit parted_fit(SaddleFit fit);
 
@@ -87,13 +74,13 @@ void take(const SaddleFit& fit, Node& node);
 // printed next to a corner may hide it in a smaller level, and lead its fit away.
 void put_between_neighbours(Lattice& lattice, Cell c);
 
-// A fit of a node by itself; its noise is infinite where there is no corner.
+// A fit of a node by itself, which begins with `f`; its noise is infinite where there is no corner.
 [[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                  float radius, EdgeWidths widths, int steps);
+                                  float radius, SaddleFit f, int steps);
 
-// The first fit, from where the node was found. `widths` are those of the last one that was good,
-// which the next corner is likely to have too.
+// The first fit, from where the node was found. `last` is the last one that was good, which the
+// next corner is likely to look like; it has no contrast before the first.
 [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                  EdgeWidths& widths);
+                                  SaddleFit& last);
 
 }  // namespace calvin::detect

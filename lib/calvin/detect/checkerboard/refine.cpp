@@ -19,8 +19,10 @@ namespace {
 
 constexpr float kPrune = 0.3F;  // of the spacing
 constexpr int kFewestToRefine = 4;
-constexpr float kLevelRadius = 5;          // px, in a smaller level
-constexpr int kLevelSteps = 6;             // likewise
+constexpr float kLevelRadius = 5;  // px, in a smaller level
+constexpr int kLevelSteps = 6;     // likewise
+// px, likewise, that fits begin with: a pixel of a level is .29 wide by itself.
+constexpr float kLeastLevelWidth = 0.4F;
 constexpr float kLeastSwingShare = 0.25F;  // of the median
 // A corner that a hand or a shadow covers in part is not symmetric, which shows as noise.
 constexpr float kNoisiest = 3;  // of the median
@@ -50,27 +52,31 @@ void Refinement::begin(const Lattice& lattice) {
   });
 }
 
+void Refinement::fit_in_level(const ImageView& level, const Lattice& lattice) {
+  SaddleFit last;
+  lattice.for_each([&](Cell c, const Node& node) {
+    const float spacing = spacing_at(lattice, c);
+    const float radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, kLevelRadius);
+    SaddleFit f = fit(c);
+    if (last.contrast != 0) take_widths(last, kLeastLevelWidth, f);
+    const bool good = fit_saddle(level, radius, kLevelSteps, f, kRoughly, Pixels::kPoints) &&
+                      colours_fit(f, c) &&
+                      distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+    // A fit that runs away is dropped: the fit in the image will tell.
+    if (!good) return unfitted_.push_back(c);
+    fit(c) = f;
+    if (!is_noisy(f, kMostNoise)) last = f;
+  });
+}
+
 void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted) {
   begin(lattice);
   unfitted_.clear();
   const auto scale = static_cast<float>(1 << level);
   lattice.for_each([&](Cell c, const Node& node) {
-    if (node.guessed) {
-      lattice.remove(c);
-      return;
-    }
-    if (!fitted) return;
-    const float spacing = spacing_at(lattice, c);
-    SaddleFit f = fit(c);
-    const float radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, kLevelRadius);
-    const bool good =
-        fit_saddle(pyramid.level(level), radius, kLevelSteps, f, kRoughly, Pixels::kPoints) &&
-        colours_fit(f, c) &&
-        std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
-    // A fit that runs away is dropped: the fit in the image will tell.
-    if (!good) return unfitted_.push_back(c);
-    fit(c) = f;
+    if (node.guessed) lattice.remove(c);
   });
+  if (fitted) fit_in_level(pyramid.level(level), lattice);
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const SaddleFit& f = fit(c);
     Node& node = lattice.at(c);
@@ -125,7 +131,7 @@ bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
     for (const int row : {0, 1}) {
       const Cell c = {col == 0 ? e.first.col : e.last.col, row == 0 ? e.first.row : e.last.row};
       const Node& node = lattice.at(c);
-      const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(node.width), 6);
+      const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, fit_of(node), 6);
       if (!(f.noise <= kMostNoise * f.swing())) return false;
       shift[col][row] = {static_cast<float>(f.x) - node.x, static_cast<float>(f.y) - node.y};
     }
@@ -178,7 +184,7 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
 SaddleFit Refinement::lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
                                const SaddleFit& near, float sigma) {
   if (!in_noise_) {
-    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(lattice.at(c).width), 8);
+    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, fit_of(lattice.at(c)), 8);
     if (!std::isfinite(f.noise)) return f;
     f.along_bend = near.along_bend;
     f.down_bend = near.down_bend;
@@ -355,8 +361,8 @@ bool Refinement::correct_bends_in(const ImageView& image, Lattice& lattice) {
 bool Refinement::refine(const ImageView& image, Lattice& lattice, std::span<const Cell> board) {
   const int before = lattice.count();
   begin(lattice);
-  EdgeWidths widths;
-  lattice.for_each([&](Cell c, const Node&) { fit(c) = first_fit(image, lattice, c, widths); });
+  SaddleFit last;
+  lattice.for_each([&](Cell c, const Node&) { fit(c) = first_fit(image, lattice, c, last); });
   in_noise_ = is_in_noise(lattice);
   if (in_noise_) {
     refine_in_noise(image, lattice);

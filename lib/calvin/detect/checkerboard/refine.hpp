@@ -49,6 +49,8 @@ class Refinement {
 
  private:
   void begin(const Lattice& lattice);
+  // Fits the nodes roughly, in px of a level of the pyramid.
+  void fit_in_level(const ImageView& level, const Lattice& lattice);
   SaddleFit& fit(Cell c) { return fits_.at(c); }
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] Slack slack(const Lattice& lattice);

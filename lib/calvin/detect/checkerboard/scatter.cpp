@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "calvin/geometry/dense.hpp"
 
@@ -193,7 +194,14 @@ Weights<kLines> weights_of(const Lattice& lattice, bool is_col) {
 // The sum of the squares of mixed differences, each over its variance by the corners' sigmas.
 class Squares {
  public:
-  Squares(const Lattice& lattice, const Flattened& flat) : lattice_(lattice), flat_(flat) {}
+  Squares(const Lattice& lattice, const Flattened& flat)
+      : lattice_(lattice), extent_(lattice.extent()) {
+    errors_.resize(static_cast<std::size_t>(std::max(extent_.cols() * extent_.rows(), 0)));
+    lattice.for_each([&](Cell c, const Node& node) {
+      const auto sigma = static_cast<double>(node.sigma);
+      errors_[index(c)] = {flat.off(c), sigma * sigma};
+    });
+  }
 
   // Takes every place where the lattice has all corners of a difference over so many lines along
   // the rows and along the columns, in both directions.
@@ -225,19 +233,29 @@ class Squares {
         const Cell c = first + Cell{static_cast<int>(i), static_cast<int>(k)};
         if (!lattice_.has(c)) return;
         const double weight = cols[i] * rows[k];
-        const Place off = flat_.off(c);
-        const auto sigma = static_cast<double>(lattice_.at(c).sigma);
-        difference.x += weight * off.x;
-        difference.y += weight * off.y;
-        variance += weight * weight * sigma * sigma;
+        const Error& error = errors_[index(c)];
+        difference.x += weight * error.off.x;
+        difference.y += weight * error.off.y;
+        variance += weight * weight * error.variance;
       }
     }
     sum_ += 0.5 * (difference.x * difference.x + difference.y * difference.y) / variance;
     ++count_;
   }
 
+  // How far a node is from where the homography has it, px, and the variance of that.
+  struct Error {
+    Place off;
+    double variance = 0;
+  };
+  [[nodiscard]] std::size_t index(Cell c) const {
+    const Cell from = c - extent_.first;
+    return static_cast<std::size_t>(from.row * extent_.cols() + from.col);
+  }
+
   const Lattice& lattice_;
-  const Flattened& flat_;
+  CellRange extent_;
+  std::vector<Error> errors_;  // of the cells of the extent
   double sum_ = 0;
   double count_ = 0;
 };

@@ -139,12 +139,12 @@ double CodeMatch::Count::evidence(const Code& code) const {
 }
 
 // Counts no further than to see that too few bits are right.
-CodeMatch::Count CodeMatch::count(const Code& code, Cell shift) const {
+CodeMatch::Count CodeMatch::count(const Code& code, std::span<const CodeBit> turned, Cell shift) {
   constexpr int kEnough = 48;  // bits: by chance, six of them in ten are not right
   Count sum;
   int seen = 0;
   int right = 0;
-  for (const CodeBit& bit : turned_) {
+  for (const CodeBit& bit : turned) {
     const int expected = code.at({bit.at.cell + shift, bit.at.index});
     if (expected == 0) continue;
     const bool is_right = (expected > 0) == bit.light;
@@ -159,14 +159,23 @@ CodeMatch::Count CodeMatch::count(const Code& code, Cell shift) const {
   return sum;
 }
 
-void CodeMatch::turn(const Code& code, int quarter) {
-  turned_ = bits_;
-  for (CodeBit& bit : turned_) bit.at = code.turned(bit.at, quarter);
-  area_.set(turned_);
+void CodeMatch::turn(const Code& code) {
+  int quarter = 0;
+  for (auto& [bits, area] : turned_) {
+    bits = bits_;
+    for (CodeBit& bit : bits) bit.at = code.turned(bit.at, quarter);
+    area.set(bits);
+    ++quarter;
+  }
+}
+
+const CodeMatch::TurnedBits& CodeMatch::turned(const GridAlignment& alignment) const {
+  return turned_[static_cast<std::size_t>(alignment.quarter)];
 }
 
 void CodeMatch::compare_with(const Code& code, const GridAlignment& alignment) {
-  const double evidence = count(code, alignment.point({0, 0})).evidence(code);
+  const double evidence =
+      count(code, turned(alignment).bits, alignment.point({0, 0})).evidence(code);
   if (evidence > best_.evidence) {
     next_best_ = best_.evidence;
     best_ = {alignment, evidence};
@@ -183,9 +192,9 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& latti
   best_ = {};
   next_best_ = 0;
   candidates_ = 0;
+  turn(code);
   for (const bool with_all : {true, false}) {
     for (int quarter = 0; quarter < 4; ++quarter) {
-      turn(code, quarter);
       const int cols = quarter % 2 == 0 ? grid.cols : grid.rows;
       const int rows = quarter % 2 == 0 ? grid.rows : grid.cols;
       const CellRange all = origins(extent, cols, rows);
@@ -208,7 +217,7 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& latti
 int CodeMatch::bits_within(const Code& code, const GridAlignment& alignment) const {
   const Cell shift = alignment.point({0, 0});
   const CellRange cells = code.cells();
-  return area_.within({cells.first - shift, cells.last - shift});
+  return turned(alignment).area.within({cells.first - shift, cells.last - shift});
 }
 
 // What a lattice is that is no part of the board: another one that its code tells, as a PuzzleBoard

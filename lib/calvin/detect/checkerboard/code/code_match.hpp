@@ -59,23 +59,28 @@ class CodeMatch {
     int light = 0;  // of those that were right
     [[nodiscard]] double evidence(const Code& code) const;
   };
+  // The bits as they are on a board that lies turned by so many quarters.
+  struct TurnedBits {
+    std::vector<CodeBit> bits;
+    BitArea area;
+  };
   // A way to lay the board over the lattice, and how sure it is.
   struct Candidate {
     GridAlignment alignment;
     double evidence = 0;
   };
-  [[nodiscard]] Count count(const Code& code, Cell shift) const;
+  [[nodiscard]] static Count count(const Code& code, std::span<const CodeBit> turned, Cell shift);
   [[nodiscard]] Match another_board(const ImageView& image, const Grid& grid, const Code& code,
                                     const Lattice& lattice) const;
-  void turn(const Code& code, int quarter);
+  void turn(const Code& code);
+  [[nodiscard]] const TurnedBits& turned(const GridAlignment& alignment) const;
   // How many of the turned bits lie on the board.
   [[nodiscard]] int bits_within(const Code& code, const GridAlignment& alignment) const;
   void compare_with(const Code& code, const GridAlignment& alignment);
   void compare(const Grid& grid, const Code& code, const Lattice& lattice);
 
   std::vector<CodeBit> bits_;
-  std::vector<CodeBit> turned_;
-  BitArea area_;  // of the turned bits
+  std::array<TurnedBits, 4> turned_;
   Candidate best_;
   double next_best_ = 0;  // evidence
   int candidates_ = 0;

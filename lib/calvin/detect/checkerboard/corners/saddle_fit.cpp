@@ -27,11 +27,16 @@ constexpr float kLongestStep = 1.2F;      // px
 constexpr float kGainTolerance = 0.05F;   // px, of a step
 constexpr float kWidthTolerance = 0.75F;  // of a step of its logarithm, by px of the place's
 constexpr float kGainsWidth = 0.015F;     // likewise, beside a gain, which goes with the widths
+constexpr float kPointsWidth = 0.3F;      // likewise, of points: of them, the place alone counts
 constexpr float kLongestTurn = 0.3F;      // rad, in a step
 constexpr float kDamping = 1e-3F;         // Levenberg's, of the diagonal
 constexpr float kMostDrift = 0.6F;        // of the radius, from where the fit began
 constexpr double kOffMiddle = 0.9;        // px, from where a window is gathered anew
+constexpr double kRoughOffMiddle = 1.5;   // likewise, for a rough fit
 constexpr float kLeastSine = 0.15F;       // between the edges
+// px, the tolerance from which on a fit is rough: a better one follows, to which an error of about
+// the square of it makes no difference.
+constexpr float kRoughTolerance = 0.1F;
 // A window takes pixels up to this far from an edge: kNearEdge widths of its blur, and as many px
 // as its place is uncertain, before a fit or after one.
 constexpr float kNearEdge = 3;          // widths
@@ -142,16 +147,18 @@ struct StepSize {
         turned(std::max(std::abs(change[kAlong]), std::abs(change[kDown]))),
         widened(std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]))),
         gained(std::abs(change[kGain])) {}
-  [[nodiscard]] bool is_within(float place, bool has_gain) const {
-    const float width = has_gain ? kGainsWidth : kWidthTolerance * place;
+  [[nodiscard]] bool is_within(float place, float width) const {
     return shift < place && widened < width && gained < kGainTolerance;
   }
-  // Whether the factor of the normal equations is still good where the step leads.
-  [[nodiscard]] bool is_small() const {
+  // Whether the factor of the normal equations is still good where the step leads, for a fit to
+  // `place` px.
+  [[nodiscard]] bool is_small(float place) const {
     constexpr float kSmallMove = 0.15F;
     constexpr float kSmallTurn = 0.02F;
     constexpr float kSmallWidening = 0.1F;
-    return shift < kSmallMove && turned < kSmallTurn && widened < kSmallWidening;
+    const float more = place < kRoughTolerance ? 1 : 2;
+    return shift < more * kSmallMove && turned < more * kSmallTurn &&
+           widened < more * kSmallWidening;
   }
 };
 
@@ -181,9 +188,11 @@ float rounding_in_common(const SaddleFit& fit, float variance) {
 // A fit in a window, of which the corner is at (x, y) from the middle.
 class Steps {
  public:
-  Steps(Window& window, float radius, SaddleFit& fit, float x, float y, Pixels pixels)
+  Steps(Window& window, float radius, float tolerance, SaddleFit& fit, float x, float y,
+        Pixels pixels)
       : window_(window),
         radius_(radius),
+        tolerance_(tolerance),
         fit_(fit),
         x_(x),
         y_(y),
@@ -194,8 +203,8 @@ class Steps {
 
   // Takes one step. False where the fit has run away, or there is no saddle.
   [[nodiscard]] bool take(bool last);
-  [[nodiscard]] bool have_converged(float place) const {
-    return !is_taken_back_ && size_.is_within(place, fit_.has_gain);
+  [[nodiscard]] bool have_converged() const {
+    return !is_taken_back_ && size_.is_within(tolerance_, most_widening());
   }
   // Writes what the last step has told into the fit.
   void finish();
@@ -210,6 +219,10 @@ class Steps {
     constexpr float kSharp = 0.6F;  // px
     return taken_for_ == Pixels::kSquares && std::min(fit_.along_width, fit_.down_width) < kSharp;
   }
+  [[nodiscard]] float most_widening() const {
+    if (fit_.has_gain) return kGainsWidth;
+    return taken_for_ == Pixels::kPoints ? kPointsWidth : kWidthTolerance * tolerance_;
+  }
   [[nodiscard]] bool has_gone_too_far() const;
   [[nodiscard]] bool find_change(bool last);
   // Adds the information of what is expected of the edges to the sums.
@@ -218,6 +231,7 @@ class Steps {
 
   Window& window_;
   float radius_;
+  float tolerance_;  // px
   SaddleFit& fit_;
   float x_;
   float y_;
@@ -245,7 +259,7 @@ bool Steps::take(bool last) {
     is_near_ = false;
   } else {
     if (!find_change(last)) return false;
-    is_near_ = !fit_.has_gain && StepSize(change_).is_small();
+    is_near_ = !fit_.has_gain && StepSize(change_).is_small(tolerance_);
   }
   size_ = StepSize(change_);
   apply();
@@ -358,12 +372,12 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float tolera
   } else if (fit.dots.count > 0) {
     remove_dots(fit, x, y, window);
   }
-  Steps taken(window, radius, fit, x, y, pixels);
+  Steps taken(window, radius, tolerance, fit, x, y, pixels);
   for (int i = 0; i < steps; ++i) {
     if (!taken.take(i + 1 == steps)) return false;
     // Of a fit that begins with a rough level and contrast, the errors that the first step sees
     // tell nothing yet.
-    if (taken.have_converged(tolerance) && (is_fitted || i > 0)) break;
+    if (taken.have_converged() && (is_fitted || i > 0)) break;
   }
   taken.finish();
   fit.x = middle_x + static_cast<double>(taken.x());
@@ -382,7 +396,8 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
   if (!fit_in_window(image, radius, steps, tolerance, pixels, fit)) return false;
   // The corner was in another pixel: a window about that is symmetric, which gives the noise.
   const auto off = [](double from, double to) { return std::abs(to - std::round(from)); };
-  if (std::max(off(u, fit.x), off(v, fit.y)) < kOffMiddle) return true;
+  const double most_off = tolerance < kRoughTolerance ? kOffMiddle : kRoughOffMiddle;
+  if (std::max(off(u, fit.x), off(v, fit.y)) < most_off) return true;
   return fit_in_window(image, radius, steps, tolerance, pixels, fit) &&
          std::max(off(u, fit.x), off(v, fit.y)) <= static_cast<double>(kMostDrift * radius);
 }
