@@ -194,10 +194,13 @@ double take_bends(const Lattice& lattice, Cell step, const Line& line,
   constexpr double kOfChange = 1.0 / 15;
   double most = 0;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
-    const LatticePlace within = lattice.place(line.within(c));
-    const double change = surface.at(moved(within, step, -1)) - 2 * surface.at(within) +
-                          surface.at(moved(within, step, 1));
-    const double bend = surface.at(lattice.place(c)) - kOfChange * change;
+    const Cell inner = line.within(c);
+    const LatticePlace within = lattice.place(inner);
+    const double middle = surface.at(within);
+    const double change =
+        surface.at(moved(within, step, -1)) - 2 * middle + surface.at(moved(within, step, 1));
+    const double here = inner == c ? middle : surface.at(lattice.place(c));
+    const double bend = here - kOfChange * change;
     SaddleFit& f = fits.at(c);
     float& own = line.is_row() ? f.along_bend : f.down_bend;
     const double move = error_per_bend(f, line.is_row()) * (static_cast<double>(own) - bend);

@@ -44,17 +44,20 @@ struct BlurredDot {
     if (dot.light) side = -side;
     added = (dot.light ? 2 : -2) * std::abs(fit.contrast);
     farthest = 1 + kFar * width / radius;
+    half_height =
+        farthest * std::sqrt(dot.along_edge.y * dot.along_edge.y + dot.across.y * dot.across.y);
   }
 
   Direction center;
   Direction edge;
   Direction by_along;  // takes a point to the unit disc
   Direction by_across;
-  float radius = 1;  // px
-  float width = 1;   // px
-  float side = 1;    // of the edge, on which the dot shows
-  float added = 0;   // grey levels
-  float farthest = 1;
+  float radius = 1;       // px
+  float width = 1;        // px
+  float side = 1;         // of the edge, on which the dot shows
+  float added = 0;        // grey levels
+  float farthest = 1;     // from the middle, in the unit disc, of what it adds
+  float half_height = 0;  // px, likewise in the image
 };
 
 }  // namespace calvin::detect
@@ -117,7 +120,12 @@ void remove_dot(const SaddleFit& fit, const BlurredDot& dot, float x, float y, W
   const D d;
   const V most = all(dot.farthest * dot.farthest);
   const auto lanes = static_cast<int>(hn::Lanes(d));
+  const float top = y + dot.center.y - dot.half_height;
+  const float bottom = y + dot.center.y + dot.half_height;
   for (int i = 0; i < window.count; i += lanes) {
+    // A window has its pixels row by row.
+    if (window.y[std::min(i + lanes, window.count) - 1] < top) continue;
+    if (window.y[i] > bottom) break;
     const V px = hn::Sub(hn::LoadU(d, window.x + i), all(x));
     const V py = hn::Sub(hn::LoadU(d, window.y + i), all(y));
     const V qx = hn::Sub(px, all(dot.center.x));

@@ -29,16 +29,33 @@ struct Range {
   int last = -1;
 };
 
-// The whole x with |offset - slope x| <= limit. The negative offset gives the range turned by 180
-// degrees.
-inline Range within(float offset, float slope, float limit, Range bounds) {
-  constexpr float kFlat = 1e-3F;
-  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
-  const float middle = offset / slope;
-  const float half = limit / std::abs(slope);
-  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
-          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
-}
+// The columns of a window within so many px of a line through its middle, row by row.
+class NearLine {
+ public:
+  NearLine(Direction along, float limit) : rise_(along.x), limit_(limit) {
+    constexpr float kFlat = 1e-3F;
+    is_flat_ = std::abs(along.y) < kFlat;
+    if (is_flat_) return;
+    step_ = along.x / along.y;
+    half_ = limit / std::abs(along.y);
+  }
+  // Those of the row `y` px below the middle, which lie within `bounds`; an empty range begins
+  // there, too. The row as far above gives the range turned by 180 degrees.
+  [[nodiscard]] Range columns(float y, Range bounds) const {
+    if (is_flat_) return std::abs(rise_ * y) <= limit_ ? bounds : Range{};
+    const float middle = step_ * y;
+    const auto first = static_cast<int>(std::ceil(std::clamp(middle - half_, -1e4F, 1e4F)));
+    const auto last = static_cast<int>(std::floor(std::clamp(middle + half_, -1e4F, 1e4F)));
+    return {std::clamp(first, bounds.first, bounds.last + 1), std::min(bounds.last, last)};
+  }
+
+ private:
+  float rise_;
+  float limit_;
+  bool is_flat_ = false;
+  float step_ = 0;  // columns, from a row to the next
+  float half_ = 0;  // columns
+};
 
 }  // namespace calvin::detect
 #endif
@@ -47,6 +64,28 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+// append() where a vector may be read at the beginning of the range, even of an empty one, and
+// beyond its end. Nearly all ranges are of one vector, which costs no branch that may be foreseen
+// wrongly.
+HWY_INLINE void append_inside(const std::uint8_t* row, Range range, float y, Window& window) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> integers;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const auto height = hn::Set(d, y);
+  int at = window.count;
+  int dx = range.first;
+  do {
+    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
+    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + at);
+    hn::StoreU(height, d, window.y + at);
+    hn::StoreU(grey, d, window.grey + at);
+    at += lanes;
+    dx += lanes;
+  } while (dx <= range.last);
+  window.count += std::max(range.last - range.first + 1, 0);
+}
 
 // Appends some pixels of a row to a window. `row` points to the window's middle column, the image
 // ends before column `end`.
@@ -84,6 +123,10 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
   const int reach = static_cast<int>(radius + kRim);
   window.count = 0;
   window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
+  const NearLine near_along(along, band);
+  const NearLine near_down(down, band);
+  const auto lanes = static_cast<int>(hn::Lanes(hn::ScalableTag<float>()));
+  const bool is_inside = window.whole && x + reach + 1 + lanes <= image.width;
   const int top = std::max(-reach, -y);
   const int bottom = std::min(reach, image.height - 1 - y);
   // A frame of a video is not in the cache, and the processor foresees no rows that are far apart.
@@ -97,14 +140,19 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
     const int half = static_cast<int>(std::sqrt(limit - v * v));
     const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
     const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
-    Range a = within(along.x * v, along.y, band, disc);
-    Range b = within(down.x * v, down.y, band, disc);
+    Range a = near_along.columns(v, disc);
+    Range b = near_down.columns(v, disc);
     if (b.first < a.first) std::swap(a, b);
     if (a.first > a.last) std::swap(a, b);
     // The second range without the pixels of the first.
     b.first = std::max(b.first, a.last + 1);
-    append(row, a, image.width - x, v, window);
-    append(row, b, image.width - x, v, window);
+    if (is_inside) {
+      append_inside(row, a, v, window);
+      append_inside(row, b, v, window);
+    } else {
+      append(row, a, image.width - x, v, window);
+      append(row, b, image.width - x, v, window);
+    }
   }
   // The last vectors read beyond the pixels and multiply by 0 there, so these must be numbers.
   std::fill_n(window.x + window.count, kBeyond, 0.0F);
