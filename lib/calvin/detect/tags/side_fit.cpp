@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "calvin/detect/small_factor.hpp"
 #include "calvin/detect/tags/side_pixels.hpp"
 
 namespace calvin::detect {
@@ -19,7 +21,8 @@ namespace calvin::detect {
 namespace {
 
 using SideVector = Eigen::Matrix<double, kSideUnknowns, 1>;
-using SideMatrix = Eigen::Matrix<double, kSideUnknowns, kSideUnknowns>;
+using SideFactor = SmallFactor<double, kSideUnknowns>;
+using SideTriangle = std::array<double, kSideProducts>;  // the upper one of a matrix, row by row
 
 constexpr double kLeastWidth = 0.3;               // px, about what a pixel itself has
 constexpr double kFaintestSide = 8;               // grey levels
@@ -48,7 +51,7 @@ class SideSteps {
   [[nodiscard]] bool drop_covered();
   void weigh();
   void accumulate(SideSums sums);
-  [[nodiscard]] SideMatrix information() const;
+  [[nodiscard]] SideTriangle information() const;
   [[nodiscard]] SideModel model() const;
 
   [[nodiscard]] bool shows(std::size_t segment) const {
@@ -88,10 +91,10 @@ class SideSteps {
   SidePixels& pixels_;
   std::array<bool, kSegments> used_{};      // not covered
   std::array<int, kSegments> pixels_in_{};  // each segment, as drop_covered() saw it
-  SideMatrix products_;                     // of pixels alone
+  SideTriangle products_{};                 // of pixels alone
   SideVector gradient_;
   SideVector change_;
-  Eigen::LLT<SideMatrix> factor_;
+  SideFactor factor_;
   bool is_near_ = false;  // the next step takes the factor of one before
   double square_ = 0;
   int count_ = 0;
@@ -179,20 +182,15 @@ void SideSteps::accumulate(SideSums sums) {
   square_ = static_cast<double>(normal.square);
   gradient_[kSideBend] -= bend_weight() * (curve_.bend - guess_.bend);
   if (sums == SideSums::kGradient) return;
-  int k = 0;
-  for (int p = 0; p < kSideUnknowns; ++p) {
-    for (int q = p; q < kSideUnknowns; ++q) {
-      products_(p, q) = products_(q, p) = static_cast<double>(normal.products[k++]);
-    }
-  }
+  std::copy_n(normal.products, kSideProducts, products_.begin());
 }
 
 // Of all that is known: the width and the bend are hardly told by a short side.
-SideMatrix SideSteps::information() const {
+SideTriangle SideSteps::information() const {
   constexpr double kWidthPrior = 0.5;  // of the logarithm, 1 sigma
-  SideMatrix all = products_;
-  all(kSideWidth, kSideWidth) += variance() / (kWidthPrior * kWidthPrior);
-  all(kSideBend, kSideBend) += bend_weight();
+  SideTriangle all = products_;
+  all[SideFactor::diagonal(kSideWidth)] += variance() / (kWidthPrior * kWidthPrior);
+  all[SideFactor::diagonal(kSideBend)] += bend_weight();
   return all;
 }
 
@@ -202,12 +200,12 @@ bool SideSteps::step() {
   accumulate(is_near_ ? SideSums::kGradient : SideSums::kAll);
   if (count_ < 2 * kSideUnknowns) return false;
   if (!is_near_) {
-    SideMatrix damped = information();
-    damped.diagonal() *= 1 + 1e-6;
-    factor_.compute(damped);
-    if (factor_.info() != Eigen::Success) return false;
+    SideTriangle damped = information();
+    for (int p = 0; p < kSideUnknowns; ++p) damped[SideFactor::diagonal(p)] *= 1 + 1e-6;
+    if (!factor_.compute(damped.data())) return false;
   }
-  change_ = factor_.solve(gradient_);
+  change_ = gradient_;
+  factor_.solve(change_.data());
   if (!change_.allFinite()) return false;
   const double largest =
       std::max({std::abs(change_[kSideOffset]), std::abs(change_[kSideSlope]),
@@ -307,16 +305,20 @@ bool SideSteps::run() {
 SideFit SideSteps::result() const {
   SideFit fit;
   fit.width = width_;
-  Eigen::Matrix<double, kSideUnknowns, 2> ends = Eigen::Matrix<double, kSideUnknowns, 2>::Zero();
-  ends.row(kSideOffset) << 1, 1;
-  ends.row(kSideSlope) << -1, 1;
-  const Eigen::Matrix2d covariance =
-      variance() / every_ * (ends.transpose() * information().llt().solve(ends));
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  SideFactor factor;
+  const bool is_known = factor.compute(information().data());
   for (const int end : {0, 1}) {
     const double t = end == 0 ? -1 : 1;
+    SideVector place = SideVector::Zero();  // by the unknowns
+    place[kSideOffset] = 1;
+    place[kSideSlope] = t;
+    SideVector spread = place;
+    factor.solve(spread.data());
     fit.offset[end] = curve_.at(t);
     fit.slope[end] = (curve_.slope - 2 * curve_.bend * t) / frame_.half();
-    fit.sigma[end] = std::sqrt(std::max(covariance(end, end), 0.0));
+    const double square = variance() / every_ * place.dot(spread);
+    fit.sigma[end] = is_known ? std::sqrt(std::max(square, 0.0)) : kUnknown;
     const std::size_t last = end == 0 ? 0 : kSegments - 1;
     const std::size_t next = end == 0 ? 1 : kSegments - 2;
     fit.seen[end] = shows(last) || shows(next);

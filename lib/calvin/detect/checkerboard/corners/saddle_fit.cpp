@@ -11,6 +11,7 @@
 
 #include "calvin/detect/checkerboard/corners/fit_window.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_sums.hpp"
+#include "calvin/detect/small_factor.hpp"
 
 namespace calvin::detect {
 
@@ -75,63 +76,40 @@ float noise_variance(const Window& window, float square, float pixels) {
   return 0.5F * sum / std::max(0.5F * pixels - kOddUnknowns, 1.0F);
 }
 
-// The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Without a
-// gain its unknown stands alone, so that the loops are of a length that the compiler knows.
-struct Factor {
-  float l[kUnknowns][kUnknowns];  // [column][row]
-  float inverse[kUnknowns];       // of the diagonal
-
-  [[nodiscard]] bool compute(const float* upper, bool has_gain) {
-    int k = 0;
-    for (int column = 0; column < kUnknowns; ++column) {
-      for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
-    }
-    if (!has_gain) {
-      for (int row = 0; row < kUnknowns; ++row) l[kGain][row] = row == kGain ? 1.0F : 0.0F;
-    }
-    for (int column = has_gain ? kGain : kGain + 1; column < kUnknowns; ++column) {
-      if (!(l[column][column] > 0)) return false;
-      const float scale = 1 / std::sqrt(l[column][column]);
-      inverse[column] = scale;
-      for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
-      for (int next = column + 1; next < kUnknowns; ++next) {
-        for (int row = next; row < kUnknowns; ++row) {
-          l[next][row] -= l[column][next] * l[column][row];
-        }
-      }
-    }
-    if (!has_gain) inverse[kGain] = 0;
-    return true;
+// The factors of the information about the unknowns; a gain that is not estimated is left out.
+class Factors {
+ public:
+  [[nodiscard]] bool compute(const Normal& normal, bool has_gain) {
+    has_gain_ = has_gain;
+    return has_gain ? all_.compute(normal.products)
+                    : without_gain_.compute(normal.products + diagonal(kGain + 1));
   }
   void solve(const float* right, float* x) const {
     std::copy_n(right, kUnknowns, x);
-    for (int column = 0; column < kUnknowns; ++column) {
-      x[column] *= inverse[column];
-      for (int row = column + 1; row < kUnknowns; ++row) x[row] -= l[column][row] * x[column];
-    }
-    for (int column = kUnknowns - 1; column >= 0; --column) {
-      for (int row = column + 1; row < kUnknowns; ++row) x[column] -= l[column][row] * x[row];
-      x[column] *= inverse[column];
-    }
+    if (has_gain_) return all_.solve(x);
+    x[kGain] = 0;
+    without_gain_.solve(x + kGain + 1);
   }
-  // The mean of the variances of x and of y in A^-1.
+  // The mean of the variances of x and of y.
   [[nodiscard]] float place_variance() const {
-    const float a = inverse[kX];
-    const float b = inverse[kY];
-    const float off = l[kX][kY] * a * b;
-    return 0.5F * (a * a + off * off + b * b);
+    return has_gain_ ? all_.mean_of_last_variances() : without_gain_.mean_of_last_variances();
   }
+
+ private:
+  SmallFactor<float, kUnknowns> all_;
+  SmallFactor<float, kUnknowns - 1> without_gain_;
+  bool has_gain_ = false;
 };
 
-// The factor of the information about the unknowns.
-bool factorise(Normal& normal, bool has_gain, float pixels, Factor& factor) {
+// `pixels` is the sum of their weights.
+bool factorise(Normal& normal, bool has_gain, float pixels, Factors& factors) {
   const float variance = normal.square / pixels + 1;
   for (const int width : {kAlongWidth, kDownWidth}) {
     normal.products[diagonal(width)] += variance / (kWidthPrior * kWidthPrior);
   }
   normal.products[diagonal(kGain)] += variance / (kGainPrior * kGainPrior);
   for (int p = 0; p < kUnknowns; ++p) normal.products[diagonal(p)] *= 1 + kDamping;
-  return factor.compute(normal.products, has_gain);
+  return factors.compute(normal, has_gain);
 }
 
 // The largest numbers of a step.
@@ -240,7 +218,7 @@ class Steps {
   Pixels taken_for_;
   Normal normal_{};
   float pixels_ = 0;  // the sum of their weights
-  Factor factor_{};
+  Factors factors_;
   float change_[kUnknowns] = {};
   StepSize size_;
   bool is_taken_back_ = false;  // by half, in place of a new one
@@ -255,7 +233,7 @@ bool Steps::take(bool last) {
   if (is_near_) {
     sum(Sums::kGradient);
     if (fit_.has_expected) add_expected();
-    factor_.solve(normal_.gradient, change_);
+    factors_.solve(normal_.gradient, change_);
     is_near_ = false;
   } else {
     if (!find_change(last)) return false;
@@ -299,8 +277,8 @@ bool Steps::find_change(bool last) {
   before_x_ = x_;
   before_y_ = y_;
   if (fit_.has_expected) add_expected();
-  if (!factorise(normal_, fit_.has_gain, pixels_, factor_)) return false;
-  factor_.solve(normal_.gradient, change_);
+  if (!factorise(normal_, fit_.has_gain, pixels_, factors_)) return false;
+  factors_.solve(normal_.gradient, change_);
   return std::all_of(change_, change_ + kUnknowns, [](float c) { return std::isfinite(c); });
 }
 
@@ -346,8 +324,8 @@ void Steps::finish() {
   const float in_common = rounding_in_common(fit_, variance);
   fit_.noise = std::sqrt(variance);
   fit_.at_border = !window_.whole;
-  fit_.sigma = std::sqrt((variance + in_common) * factor_.place_variance());
-  fit_.rounding = std::sqrt(in_common * factor_.place_variance());
+  fit_.sigma = std::sqrt((variance + in_common) * factors_.place_variance());
+  fit_.rounding = std::sqrt(in_common * factors_.place_variance());
 }
 
 // Takes steps in a window about the pixel in which the corner is.

@@ -6,6 +6,7 @@
 
 #include "calvin/detect/checkerboard/corners/fit_window.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
+#include "calvin/detect/small_factor.hpp"
 
 namespace calvin::detect {
 
@@ -40,7 +41,7 @@ struct Normal {
 };
 
 // The index of a diagonal element in Normal::products.
-constexpr int diagonal(int unknown) { return unknown * kUnknowns - unknown * (unknown - 1) / 2; }
+constexpr int diagonal(int unknown) { return SmallFactor<float, kUnknowns>::diagonal(unknown); }
 
 // Sums over a window; (x, y) is the corner of the fit from the middle of the window. Writes the
 // errors of the window's pixels too. `is_sharp`: pixels are squares, not points, where the saddle
