@@ -46,7 +46,7 @@ Eigen::Vector2d projected(Projection projection, const Eigen::Vector3d& v,
 
 // ---- Polynomial ---------------------------------------------------------------------------------
 
-Polynomial::Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values, int highest) {
+Polynomial::Polynomial(std::span<const Pixel> at, const Eigen::MatrixXd& values, int highest) {
   const auto [left, right] = std::ranges::minmax(at, {}, &Pixel::u);
   const auto [top, bottom] = std::ranges::minmax(at, {}, &Pixel::v);
   middle_ = {(left.u + right.u) / 2, (top.v + bottom.v) / 2};
@@ -84,7 +84,17 @@ Eigen::Vector2d Polynomial::at(const Pixel& p) const {
   if (degree_ < 0) return Eigen::Vector2d::Zero();
   const Terms all = terms(p);
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (Eigen::Index k = 0; k < all.size(); ++k) sum += all[k] * numbers_.row(k).transpose();
+  for (Eigen::Index k = 0; k < all.size(); ++k) {
+    sum += all[k] * Eigen::Vector2d(numbers_(k, 0), numbers_(k, 1));
+  }
+  return sum;
+}
+
+Polynomial::Values Polynomial::all_at(const Pixel& p) const {
+  if (degree_ < 0) return Values::Zero(numbers_.cols());
+  const Terms all = terms(p);
+  Values sum = Values::Zero(numbers_.cols());
+  for (Eigen::Index k = 0; k < all.size(); ++k) sum += all[k] * numbers_.row(k);
   return sum;
 }
 

@@ -26,14 +26,18 @@ enum class Projection { kPerspective, kEquidistant };
 class Polynomial {
  public:
   Polynomial() = default;
-  // Through values at points, of the highest degree of which there are half as many points again as
-  // numbers, `highest` and 5 at most.
-  Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values, int highest = 3);
+  // Through values at points, a row of two to kMostValues for each, of the highest degree of which
+  // there are half as many points again as numbers, `highest` and 5 at most.
+  Polynomial(std::span<const Pixel> at, const Eigen::MatrixXd& values, int highest = 3);
 
-  // Of each of the two values.
+  // Of each of the values.
   [[nodiscard]] int numbers() const { return static_cast<int>(numbers_.rows()); }
 
+  // The first two of the values.
   [[nodiscard]] Eigen::Vector2d at(const Pixel& p) const;
+  static constexpr int kMostValues = 6;
+  using Values = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMostValues>;
+  [[nodiscard]] Values all_at(const Pixel& p) const;
 
  private:
   static constexpr int kHighest = 5;
@@ -45,7 +49,7 @@ class Polynomial {
   Pixel middle_;
   double half_ = 1;  // px
   int degree_ = -1;
-  Eigen::MatrixX2d numbers_;
+  Eigen::MatrixXd numbers_;  // a column for each of the values
 };
 
 class LensMap {

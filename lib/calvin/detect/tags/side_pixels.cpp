@@ -43,11 +43,12 @@ std::optional<Steepest> steepest_at(const ImageView& image, const SideFrame& fra
   const Point first = frame.at(t, before + across(0));
   const Point by = step * frame.outwards();
   const bool is_whole = is_in(image, first) && is_in(image, first + (samples - 1) * by);
+  const auto x0 = static_cast<float>(first.x()), y0 = static_cast<float>(first.y());
+  const auto by_x = static_cast<float>(by.x()), by_y = static_cast<float>(by.y());
   std::array<float, kMostSamples> grey;
   for (int i = 0; i < samples; ++i) {
-    const Point p = first + i * by;
-    const auto x = static_cast<float>(p.x());
-    const auto y = static_cast<float>(p.y());
+    const float x = x0 + static_cast<float>(i) * by_x;
+    const float y = y0 + static_cast<float>(i) * by_y;
     grey[static_cast<std::size_t>(i)] =
         is_whole ? grey_inside(image, x, y) : grey_at(image, x, y).value_or(kNowhere);
   }

@@ -20,55 +20,65 @@ constexpr std::size_t kFewestToCompare = 12;  // corners
 constexpr double kCertain = 5;                // sigmas, by which a corner is off
 constexpr int kDegree = 5;                    // of what a lens leaves of a map
 
-// A column of two numbers for each corner, without what a polynomial over the image has of it.
-class Column {
- public:
-  Column(const std::vector<SheetCorner>& corners, std::vector<Point> values)
-      : values_(std::move(values)) {
-    std::vector<Pixel> at;
-    Eigen::MatrixX2d used(static_cast<Eigen::Index>(corners.size()), 2);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (corners[i].is_off) continue;
-      used.row(static_cast<Eigen::Index>(at.size())) = values_[i].transpose();
-      at.push_back(corners[i].image);
-    }
-    const Polynomial smooth(at, used.topRows(static_cast<Eigen::Index>(at.size())), kDegree);
-    numbers_ = smooth.numbers();
-    for (std::size_t i = 0; i < corners.size(); ++i) values_[i] -= smooth.at(corners[i].image);
-  }
+// Two numbers for each corner.
+using Column = std::vector<Point>;
 
-  // Of the polynomial, for each of the two numbers.
-  [[nodiscard]] int numbers() const { return numbers_; }
-  [[nodiscard]] const Point& operator[](std::size_t i) const { return values_[i]; }
-  [[nodiscard]] double dot(const Column& other, const std::vector<SheetCorner>& corners) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (!corners[i].is_off) {
-        sum += values_[i].dot(other.values_[i]) / (corners[i].sigma * corners[i].sigma);
-      }
-    }
-    return sum;
-  }
-
- private:
-  std::vector<Point> values_;
-  int numbers_ = 0;
+// The distances of corners from the map, and how both kinds of growth move them, without what a
+// polynomial over the image has of each.
+struct RoughParts {
+  Column off;
+  Column in_image;
+  Column on_board;
+  int numbers = 0;  // of the polynomial, for each of the two numbers
 };
+
+RoughParts rough_parts(const std::vector<SheetCorner>& corners, const Column& off) {
+  const auto count = static_cast<Eigen::Index>(corners.size());
+  Eigen::MatrixXd all(count, Polynomial::kMostValues);
+  std::vector<Pixel> at;
+  Eigen::MatrixXd used(count, Polynomial::kMostValues);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const SheetCorner& c = corners[i];
+    auto row = all.row(static_cast<Eigen::Index>(i));
+    row << off[i].transpose(), c.outwards.transpose(), c.outwards_plane.transpose();
+    if (c.is_off) continue;
+    used.row(static_cast<Eigen::Index>(at.size())) = row;
+    at.push_back(c.image);
+  }
+  const Polynomial smooth(at, used.topRows(static_cast<Eigen::Index>(at.size())), kDegree);
+  RoughParts parts;
+  parts.numbers = smooth.numbers();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Polynomial::Values rough =
+        all.row(static_cast<Eigen::Index>(i)) - smooth.all_at(corners[i].image);
+    parts.off.emplace_back(rough[0], rough[1]);
+    parts.in_image.emplace_back(rough[2], rough[3]);
+    parts.on_board.emplace_back(rough[4], rough[5]);
+  }
+  return parts;
+}
+
+// The sum over the corners that count of the products of two columns, in sigmas.
+double product(const Column& a, const Column& b, const std::vector<SheetCorner>& corners) {
+  double sum = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!corners[i].is_off) sum += a[i].dot(b[i]) / (corners[i].sigma * corners[i].sigma);
+  }
+  return sum;
+}
 
 // A growth that explains most of what is rough.
 struct Growth {
   Point SheetCorner::*of = nullptr;
-  double amount = 0;  // px
-  double gain = 0;    // of the sum of squares, in sigmas
+  const Column* rough = nullptr;  // what is rough of it
+  double amount = 0;              // px
+  double gain = 0;                // of the sum of squares, in sigmas
 };
 
-Growth growth_of(const std::vector<SheetCorner>& corners, const Column& rough,
+Growth growth_of(const std::vector<SheetCorner>& corners, const Column& off, const Column& rough,
                  Point SheetCorner::*of, double most) {
-  std::vector<Point> values;
-  for (const SheetCorner& c : corners) values.push_back(c.*of);
-  const Column column(corners, std::move(values));
-  const double square = column.dot(column, corners);
-  Growth growth{of, 0, 0};
+  const double square = product(rough, rough, corners);
+  Growth growth{of, &rough, 0, 0};
   // Few tags do not tell a growth from what a lens does: it has to be known by far better than a
   // corner is.
   constexpr double kLeast = 4;  // the square of how many times better
@@ -76,33 +86,30 @@ Growth growth_of(const std::vector<SheetCorner>& corners, const Column& rough,
   for (const SheetCorner& c : corners) sigmas.push_back(c.sigma);
   const double sigma = median_of(std::move(sigmas));
   if (!(square * sigma * sigma > kLeast)) return growth;
-  const double product = column.dot(rough, corners);
-  growth.amount = product / square;
-  growth.gain = product * growth.amount;
-  if (std::abs(growth.amount) > most) growth = {of, 0, 0};
+  const double both = product(rough, off, corners);
+  growth.amount = both / square;
+  growth.gain = both * growth.amount;
+  if (std::abs(growth.amount) > most) growth = {of, &rough, 0, 0};
   return growth;
 }
 
+// The growth of either kind that explains more.
+Growth growth_of(const std::vector<SheetCorner>& corners, const RoughParts& parts, double most) {
+  const Growth in_image =
+      growth_of(corners, parts.off, parts.in_image, &SheetCorner::outwards, most);
+  const Growth on_board =
+      growth_of(corners, parts.off, parts.on_board, &SheetCorner::outwards_plane, most);
+  return on_board.gain > in_image.gain ? on_board : in_image;
+}
+
 // How far each corner is from where the map has it, px.
-std::vector<Point> distances_from(const LensMap& map, const std::vector<SheetCorner>& corners) {
-  std::vector<Point> off;
+Column distances_from(const LensMap& map, const std::vector<SheetCorner>& corners) {
+  Column off;
   for (const SheetCorner& c : corners) {
     const Pixel expected = map.image_of(c.plane);
     off.emplace_back(c.image.u - expected.u, c.image.v - expected.v);
   }
   return off;
-}
-
-// The growth of either kind that explains more, of each corner.
-std::vector<Point> growth_of(const std::vector<SheetCorner>& corners, const std::vector<Point>& off,
-                             double most) {
-  const Column rough(corners, off);
-  const Growth in_image = growth_of(corners, rough, &SheetCorner::outwards, most);
-  const Growth on_board = growth_of(corners, rough, &SheetCorner::outwards_plane, most);
-  const Growth growth = on_board.gain > in_image.gain ? on_board : in_image;
-  std::vector<Point> all;
-  for (const SheetCorner& c : corners) all.push_back(growth.amount * (c.*growth.of));
-  return all;
 }
 
 // Marks the corners that are off by far more than the others, in their sigmas. Absent where too few
@@ -145,17 +152,19 @@ std::optional<CornerScatter> corner_scatter(std::vector<SheetCorner>& corners, c
                                             double most) {
   constexpr int kRounds = 4;
   if (corners.size() < kFewestToCompare) return std::nullopt;
-  const std::vector<Point> off = distances_from(map, corners);
+  const Column off = distances_from(map, corners);
   CornerScatter scatter;
+  scatter.growth.resize(corners.size());
   std::vector<double> errors(corners.size());  // px
   double numbers = 0;
   for (int round = 0; round < kRounds; ++round) {
-    scatter.growth = growth_of(corners, off, most);
-    std::vector<Point> left = off;
-    for (std::size_t i = 0; i < corners.size(); ++i) left[i] -= scatter.growth[i];
-    const Column rest(corners, std::move(left));
-    numbers = 2 * rest.numbers() + 1;
-    for (std::size_t i = 0; i < corners.size(); ++i) errors[i] = rest[i].norm();
+    const RoughParts parts = rough_parts(corners, off);
+    const Growth growth = growth_of(corners, parts, most);
+    numbers = 2 * parts.numbers + 1;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      scatter.growth[i] = growth.amount * (corners[i].*growth.of);
+      errors[i] = (parts.off[i] - growth.amount * (*growth.rough)[i]).norm();
+    }
     const auto changed = mark_off(corners, errors);
     if (!changed) return std::nullopt;
     if (!*changed) break;

@@ -16,9 +16,8 @@ namespace {
 constexpr std::size_t kOneOf = 8;  // of the tags of a sheet: one of many may be misread
 
 // Whether a quad lies so many columns and rows from a tag, as the sides of that let it be expected.
-bool is_next_to(const Quad& tag, GridPlace way, double pitch, const Quad& quad) {
-  constexpr double kOff = 0.25;  // of the shortest side
-  const double off = kOff * shortest_side(tag);
+// `off`: px, for each corner.
+bool is_next_to(const Quad& tag, GridPlace way, double pitch, const Quad& quad, double off) {
   const std::array<Point, 2> across = {tag[1] - tag[0], tag[2] - tag[3]};  // the upper side first
   const std::array<Point, 2> down = {tag[3] - tag[0], tag[2] - tag[1]};    // the left side first
   for (std::size_t i = 0; i < 4; ++i) {
@@ -39,10 +38,13 @@ bool is_foreign(const TagGrid& board, GridPlace at, int id) {
 bool contradicts(const TagSheet& sheet, const NamedQuad& tag) {
   const TagGrid& board = sheet.board();
   const double pitch = 1 + board.gap / board.tag;
+  constexpr double kOff = 0.25;  // of the shortest side
   return std::ranges::any_of(sheet.tags(), [&](const SheetTag& own) {
+    const double off = kOff * shortest_side(own.fit.corners);
     for (const GridPlace way : {GridPlace{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const GridPlace at{own.place.col + way.col, own.place.row + way.row};
-      if (is_foreign(board, at, tag.id) && is_next_to(own.fit.corners, way, pitch, tag.corners)) {
+      if (is_foreign(board, at, tag.id) &&
+          is_next_to(own.fit.corners, way, pitch, tag.corners, off)) {
         return true;
       }
     }
