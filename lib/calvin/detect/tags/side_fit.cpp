@@ -196,7 +196,8 @@ SideTriangle SideSteps::information() const {
 
 bool SideSteps::step() {
   constexpr double kLongest = 1;   // px, and of the width's logarithm half of that
-  constexpr double kSmall = 0.06;  // px, and of the contrast: after such a step its factor is good
+  // px, and of the contrast: after such a step its factor is good.
+  const double small = every_ > 1 ? 0.15 : 0.06;
   accumulate(is_near_ ? SideSums::kGradient : SideSums::kAll);
   if (count_ < 2 * kSideUnknowns) return false;
   if (!is_near_) {
@@ -212,7 +213,7 @@ bool SideSteps::step() {
                 std::abs(change_[kSideBend]), 2 * std::abs(change_[kSideWidth])});
   // The derivatives of the place grow with the contrast.
   const double levels = std::max(std::abs(change_[kSideIn]), std::abs(change_[kSideOut]));
-  is_near_ = largest < kSmall && levels < kSmall * std::abs(out_ - in_);
+  is_near_ = largest < small && levels < small * std::abs(out_ - in_);
   const double share = std::min(1.0, kLongest / std::max(largest, 1e-12));
   change_ *= share;
   // What the step leaves of the squares: it may be the last one, and a first one that finds the
@@ -232,13 +233,13 @@ bool SideSteps::step() {
 bool SideSteps::converge() {
   constexpr int kSteps = 12;
   const double converged = every_ > 1 ? 1e-2 : 3e-3;  // px
-  constexpr double kMoved = 0.4;                      // px, after which other pixels are near
+  const double far = every_ > 1 ? 0.8 : 0.4;          // px, after which other pixels are near
   for (int i = 0; i < kSteps; ++i) {
     if (!step()) return false;
     const double moved = std::max({std::abs(curve_.at(-1) - gathered_.at(-1)),
                                    std::abs(curve_.at(1) - gathered_.at(1)),
                                    std::abs(curve_.at(0) - gathered_.at(0))});
-    if (moved > kMoved || std::abs(std::log(width_ / gathered_width_)) > 0.2) {
+    if (moved > far || std::abs(std::log(width_ / gathered_width_)) > 0.2) {
       if (!gather()) return false;
       continue;
     }
