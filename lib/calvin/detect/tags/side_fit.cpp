@@ -171,7 +171,6 @@ SideModel SideSteps::model() const {
   numbers(guess_.border, model.border);
   numbers(guess_.second, model.second);
   numbers(guess_.gap, model.gap);
-  model.has_beyond = guess_.beyond || !guess_.outer.empty();
   return model;
 }
 
@@ -195,7 +194,7 @@ SideTriangle SideSteps::information() const {
 }
 
 bool SideSteps::step() {
-  constexpr double kLongest = 1;   // px, and of the width's logarithm half of that
+  constexpr double kLongest = 1;  // px, and of the width's logarithm half of that
   // px, and of the contrast: after such a step its factor is good.
   const double small = every_ > 1 ? 0.15 : 0.06;
   accumulate(is_near_ ? SideSums::kGradient : SideSums::kAll);

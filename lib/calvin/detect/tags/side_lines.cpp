@@ -73,8 +73,12 @@ void add_bits(const SideBits& bits, SidePixels& pixels) {
     const auto place = hn::Mul(hn::Add(t, one), hn::Set(d, kPerUnit));
     const auto sample = hn::ConvertTo(di, place);
     const auto share = hn::Sub(place, hn::ConvertTo(d, sample));
-    hn::StoreU(row_at(d, bits.first, sample, share), d, pixels.first.data() + i);
-    hn::StoreU(row_at(d, bits.second, sample, share), d, pixels.second.data() + i);
+    if (bits.rows > 0) {
+      hn::StoreU(row_at(d, bits.first, sample, share), d, pixels.first.data() + i);
+    }
+    if (bits.rows > 1) {
+      hn::StoreU(row_at(d, bits.second, sample, share), d, pixels.second.data() + i);
+    }
     if (bits.behind_gap == BehindGap::kBits) {
       hn::StoreU(row_at(d, bits.beyond, sample, share), d, pixels.beyond.data() + i);
     } else if (bits.behind_gap == BehindGap::kTag) {
@@ -147,6 +151,8 @@ void take_lines(const SideLines& lines, const SideBits& bits, SidePixels& pixels
   int count = 0;
   for (const SideLine& line : lines.all) count += line.count;
   pixels.resize(count);
+  pixels.rows = bits.rows;
+  pixels.has_beyond = bits.behind_gap != BehindGap::kNothing;
   HWY_DYNAMIC_DISPATCH(take_lines)(lines, bits, pixels);
 }
 

@@ -18,12 +18,14 @@ inline constexpr int kSideSegments = 8;
 // for a vector, where no pixel has a weight.
 struct SidePixels {
   int count = 0;
+  int rows = 0;  // of bits that reach them, see SideBits
+  bool has_beyond = false;
   std::vector<float> t;
   std::vector<float> n;  // px
   std::vector<float> grey;
   std::vector<float> first;           // the bits of the first row, blurred along the side
-  std::vector<float> second;          // and of the second one
-  std::vector<float> beyond;          // and behind the gap
+  std::vector<float> second;          // and of the second one, where they reach
+  std::vector<float> beyond;          // and behind the gap, likewise
   std::vector<float> weight;          // 1, or 0 for a pixel that shows something else
   std::vector<float> error;           // of the fit, grey levels
   std::vector<std::int32_t> segment;  // of the side, from t = -1 on
@@ -50,7 +52,8 @@ struct SideLines {
   float by_n = 0;
 };
 
-// What is behind the gap beside a side: nothing, another tag all along it, or bits.
+// What is behind the gap beside a side, as far as blur takes it to the pixels: nothing, another tag
+// all along it, or bits.
 enum class BehindGap { kNothing, kTag, kBits };
 
 // Rows of bits as blur along the side leaves them, at places from t = -1 to 1.
@@ -58,6 +61,7 @@ struct SideBits {
   static constexpr int kSamples = 12 * kSideSegments + 1;
   using Row = std::array<float, kSamples + 1>;  // the last sample twice
 
+  int rows = 0;  // that reach the pixels, across which nothing is left of the blur of the next one
   Row first{};
   Row second{};
   BehindGap behind_gap = BehindGap::kNothing;

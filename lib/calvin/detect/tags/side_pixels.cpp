@@ -225,6 +225,33 @@ void find_lines(const ImageView& image, const SideFrame& frame, const SideCurve&
   }
 }
 
+// What is beside a side so near to the pixels of a band that blur takes it there.
+class Reach {
+ public:
+  Reach(const SideCurve& curve, const SideBand& band)
+      : innermost_(std::min({curve.at(-1), curve.at(0), curve.at(1)}) - band.inside),
+        outermost_(std::max({curve.at(-1), curve.at(0), curve.at(1)}) + band.outside),
+        far_(kFar * band.blur) {}
+
+  // Rows of bits.
+  [[nodiscard]] int rows(const SideGuess& guess) const {
+    const auto reaches = [&](const NextEdge& edge) {
+      return innermost_ - edge.at - std::abs(edge.slope) < far_;
+    };
+    return reaches(guess.second) ? 2 : reaches(guess.border) ? 1 : 0;
+  }
+  [[nodiscard]] bool is_gap_crossed(const SideGuess& guess) const {
+    return guess.gap.at - std::abs(guess.gap.slope) - outermost_ < far_;
+  }
+
+ private:
+  static constexpr double kFar = 6;  // widths, of which a fit may find a fifth more
+
+  double innermost_;  // px
+  double outermost_;
+  double far_;
+};
+
 }  // namespace
 
 double room_inside(const SideGuess& guess) {
@@ -262,12 +289,18 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
   thread_local SideLines lines;  // memory: sides are fitted by the hundred in a picture
   find_lines(image, frame, curve, band, lines);
   const double blur = band.blur / frame.half();
-  SideBits bits{blurred(guess.cuts, guess.first, blur), blurred(guess.cuts, guess.behind, blur)};
-  if (!guess.outer.empty()) {
-    bits.behind_gap = BehindGap::kBits;
-    bits.beyond = blurred(guess.outer_cuts, guess.outer, blur);
-  } else if (guess.beyond) {
-    bits.behind_gap = BehindGap::kTag;
+  SideBits bits;
+  const Reach reach(curve, band);
+  bits.rows = reach.rows(guess);
+  if (bits.rows > 0) bits.first = blurred(guess.cuts, guess.first, blur);
+  if (bits.rows > 1) bits.second = blurred(guess.cuts, guess.behind, blur);
+  if (reach.is_gap_crossed(guess)) {
+    if (!guess.outer.empty()) {
+      bits.behind_gap = BehindGap::kBits;
+      bits.beyond = blurred(guess.outer_cuts, guess.outer, blur);
+    } else if (guess.beyond) {
+      bits.behind_gap = BehindGap::kTag;
+    }
   }
   take_lines(lines, bits, pixels);
 }

@@ -62,17 +62,17 @@ HWY_INLINE void side_rows(D d, SidePixels& pixels, const SideModel& m, int i, V*
   const V bent = hn::NegMulAdd(t, t, set(1));
   const V line = hn::MulAdd(set(m.slope), t, set(m.offset));
   const V s = hn::Sub(load(pixels.n), hn::MulAdd(set(m.bend), bent, line));
-  const V first = load(pixels.first);
-  const V second = load(pixels.second);
+  const V first = pixels.rows > 0 ? load(pixels.first) : hn::Zero(d);
+  const V second = pixels.rows > 1 ? load(pixels.second) : first;
   const V scale = set(0.70710678F / m.width);
   const auto from = [&](const float* edge) {
     return hn::Sub(s, hn::MulAdd(set(edge[1]), t, set(edge[0])));
   };
   Edges<V> edges{second, hn::Zero(d), hn::Zero(d)};
   edges.add(d, set(1), s, scale);
-  edges.add(d, hn::Neg(first), from(m.border), scale);
-  edges.add(d, hn::Sub(first, second), from(m.second), scale);
-  if (m.has_beyond) edges.add(d, hn::Neg(load(pixels.beyond)), from(m.gap), scale);
+  if (pixels.rows > 0) edges.add(d, hn::Neg(first), from(m.border), scale);
+  if (pixels.rows > 1) edges.add(d, hn::Sub(first, second), from(m.second), scale);
+  if (pixels.has_beyond) edges.add(d, hn::Neg(load(pixels.beyond)), from(m.gap), scale);
   const V in = hn::MulAdd(set(m.in_slope), t, set(m.in));
   const V contrast = hn::Sub(hn::MulAdd(set(m.out_slope), t, set(m.out)), in);
   const V model = hn::MulAdd(contrast, edges.value, in);

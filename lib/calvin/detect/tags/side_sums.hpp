@@ -34,7 +34,6 @@ struct SideModel {
   float border[2] = {0, 0};
   float second[2] = {0, 0};
   float gap[2] = {0, 0};
-  bool has_beyond = false;  // somewhere
 };
 
 // J^T J (upper triangle, row by row), J^T e and e^T e, over the pixels with a weight.
