@@ -217,6 +217,60 @@ TEST(ExpectedCorners, AreAsFarOffAsTheySay) {
   EXPECT_NEAR(std::sqrt(predicted / (2 * fitted)) / rms, 1, 0.15);
 }
 
+// The dots around a corner of a PuzzleBoard, from which a step of the rows and one of the columns
+// go, px.
+detect::EdgeDots dots_around(const PuzzleBoard& board, GridPlace p, Direction right,
+                             Direction below) {
+  constexpr auto kRadius = static_cast<float>(PuzzleBoard::kDotDiameter / 2);
+  detect::EdgeDots dots;
+  const auto add = [&](bool light, bool on_along, float half) {
+    const Direction edge = on_along ? right : below;
+    const Direction other = on_along ? below : right;
+    dots.all[static_cast<std::size_t>(dots.count++)] = {light,
+                                                        on_along,
+                                                        {half * edge.x, half * edge.y},
+                                                        {kRadius * edge.x, kRadius * edge.y},
+                                                        {kRadius * other.x, kRadius * other.y}};
+  };
+  add(board.is_light_after(p), true, 0.5F);
+  add(board.is_light_after({p.col - 1, p.row}), true, -0.5F);
+  add(board.is_light_below(p), false, 0.5F);
+  add(board.is_light_below({p.col, p.row - 1}), false, -0.5F);
+  return dots;
+}
+
+// In a window that reaches over the dots of a PuzzleBoard they are taken out, whole and in place.
+TEST(DotsOnEdges, LeaveNothingInTheWindow) {
+  constexpr float kSquare = 40;  // px
+  constexpr double kTurn = 0.35;
+  const PuzzleBoard puzzle{6, 5, 0.02};
+  const Camera camera = default_camera({640, 480});
+  const double away = puzzle.size * camera.parameters()[0] / static_cast<double>(kSquare);
+  const SE3 pose(Eigen::AngleAxisd(kTurn, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+                 Eigen::Vector3d(-0.04, -0.06, away));
+  const GrayImage image = render_board(camera, puzzle, pose, {.noise = 0, .blur = 0.8});
+  const auto c = static_cast<float>(std::cos(kTurn));
+  const auto s = static_cast<float>(std::sin(kTurn));
+  const Board board = puzzle;
+  for (int row = 1; row + 1 < puzzle.rows; ++row) {
+    for (int col = 1; col + 1 < puzzle.cols; ++col) {
+      const Pixel at =
+          *camera.project(pose * board.points()[*board.index_of(puzzle.grid().id({col, row}))]);
+      SaddleFit fit;
+      fit.x = at.u;
+      fit.y = at.v;
+      fit.along = {c, s};
+      fit.down = {-s, c};
+      ASSERT_TRUE(detect::fit_saddle(image.view(), 0.25F * kSquare, 8, fit));
+      fit.dots =
+          dots_around(puzzle, {col, row}, {kSquare * c, kSquare * s}, {-kSquare * s, kSquare * c});
+      ASSERT_TRUE(detect::fit_saddle(image.view(), 0.6F * kSquare, 8, fit));
+      EXPECT_LT(fit.residual, 0.05F * fit.swing()) << col << " " << row;
+      EXPECT_LT(std::hypot(fit.x - at.u, fit.y - at.v), 0.01);
+    }
+  }
+}
+
 // Blur moves an edge that a lens bends to its hollow side, and all corners of a fisheye with them
 // towards the middle of the picture.
 TEST(BlurBeforeAFisheye, DoesNotMoveCorners) {
