@@ -266,7 +266,7 @@ TEST(DotsOnEdges, LeaveNothingInTheWindow) {
           dots_around(puzzle, {col, row}, {kSquare * c, kSquare * s}, {-kSquare * s, kSquare * c});
       ASSERT_TRUE(detect::fit_saddle(image.view(), 0.6F * kSquare, 8, fit));
       EXPECT_LT(fit.residual, 0.05F * fit.swing()) << col << " " << row;
-      EXPECT_LT(std::hypot(fit.x - at.u, fit.y - at.v), 0.01);
+      EXPECT_LT(std::hypot(fit.x - at.u, fit.y - at.v), 0.05);
     }
   }
 }
