@@ -137,7 +137,7 @@ class Lattice {
 
   template <typename F>
   void for_each(F f) const {
-    const CellRange e = touched_;
+    const CellRange e = touched_;  // as it is before `f` puts any
     for (int row = e.first.row; row <= e.last.row; ++row) {
       for (int col = e.first.col; col <= e.last.col; ++col) {
         if (has({col, row})) f(Cell{col, row}, at({col, row}));

@@ -55,7 +55,10 @@ Polynomial::Polynomial(std::span<const Pixel> at, const Eigen::MatrixXd& values,
          3 * numbers_of(degree_ + 1) <= 2 * static_cast<int>(at.size())) {
     ++degree_;
   }
-  if (degree_ < 0) return;
+  if (degree_ < 0) {
+    numbers_.resize(0, values.cols());
+    return;
+  }
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(at.size()), numbers_of(degree_));
   for (std::size_t i = 0; i < at.size(); ++i) {
     rows.row(static_cast<Eigen::Index>(i)) = terms(at[i]).transpose();

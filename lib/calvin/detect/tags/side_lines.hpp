@@ -61,7 +61,7 @@ struct SideBits {
   static constexpr int kSamples = 12 * kSideSegments + 1;
   using Row = std::array<float, kSamples + 1>;  // the last sample twice
 
-  int rows = 0;  // that reach the pixels, across which nothing is left of the blur of the next one
+  int rows = 0;  // that reach the pixels: blur leaves nothing of the edges of those further in
   Row first{};
   Row second{};
   BehindGap behind_gap = BehindGap::kNothing;

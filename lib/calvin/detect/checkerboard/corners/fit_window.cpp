@@ -65,24 +65,27 @@ namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Puts a vector of pixels of a row, from column `dx` on, into a window from its pixel `at` on.
+HWY_INLINE void put_vector(const std::uint8_t* row, int dx, float y, int at, Window& window) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> integers;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
+  hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + at);
+  hn::StoreU(hn::Set(d, y), d, window.y + at);
+  hn::StoreU(grey, d, window.grey + at);
+}
+
+inline int lanes_of_window() { return static_cast<int>(hn::Lanes(hn::ScalableTag<float>())); }
+
 // append() where a vector may be read at the beginning of the range, even of an empty one, and
 // beyond its end. Nearly all ranges are of one vector, which costs no branch that may be foreseen
 // wrongly.
 HWY_INLINE void append_inside(const std::uint8_t* row, Range range, float y, Window& window) {
-  const hn::ScalableTag<float> d;
-  const hn::RebindToSigned<decltype(d)> integers;
-  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
-  const auto lanes = static_cast<int>(hn::Lanes(d));
-  const auto height = hn::Set(d, y);
-  int at = window.count;
   int dx = range.first;
   do {
-    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
-    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + at);
-    hn::StoreU(height, d, window.y + at);
-    hn::StoreU(grey, d, window.grey + at);
-    at += lanes;
-    dx += lanes;
+    put_vector(row, dx, y, window.count + dx - range.first, window);
+    dx += lanes_of_window();
   } while (dx <= range.last);
   window.count += std::max(range.last - range.first + 1, 0);
 }
@@ -90,19 +93,11 @@ HWY_INLINE void append_inside(const std::uint8_t* row, Range range, float y, Win
 // Appends some pixels of a row to a window. `row` points to the window's middle column, the image
 // ends before column `end`.
 void append(const std::uint8_t* row, Range range, int end, float y, Window& window) {
-  const hn::ScalableTag<float> d;
-  const hn::RebindToSigned<decltype(d)> integers;
-  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
-  const auto lanes = static_cast<int>(hn::Lanes(d));
-  const auto height = hn::Set(d, y);
+  const int lanes = lanes_of_window();
   int dx = range.first;
   // Lanes of the last vector beyond the range are overwritten by the next row.
   for (; dx <= range.last && dx + lanes <= end; dx += lanes) {
-    const int at = window.count + dx - range.first;
-    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
-    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + at);
-    hn::StoreU(height, d, window.y + at);
-    hn::StoreU(grey, d, window.grey + at);
+    put_vector(row, dx, y, window.count + dx - range.first, window);
   }
   for (; dx <= range.last; ++dx) {
     const int at = window.count + dx - range.first;
@@ -125,8 +120,7 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
   window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
   const NearLine near_along(along, band);
   const NearLine near_down(down, band);
-  const auto lanes = static_cast<int>(hn::Lanes(hn::ScalableTag<float>()));
-  const bool is_inside = window.whole && x + reach + 1 + lanes <= image.width;
+  const bool is_inside = window.whole && x + reach + 1 + lanes_of_window() <= image.width;
   const int top = std::max(-reach, -y);
   const int bottom = std::min(reach, image.height - 1 - y);
   // A frame of a video is not in the cache, and the processor foresees no rows that are far apart.
