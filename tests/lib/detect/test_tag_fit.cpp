@@ -102,7 +102,7 @@ TEST(TagFits, RoughlyFullyAndAgain) {
       for (std::size_t i = 0; i < 4; ++i) {
         // What all pixels leave, whichever were taken. A fit does not depend on the guess: bits
         // beside a side that are thought to be a pixel off would move it by more than a sigma.
-        EXPECT_NEAR(rough.sigma[i] / full.sigma[i], 1, 0.7);
+        EXPECT_NEAR(rough.sigma[i] / full.sigma[i], 1, 0.6);
         EXPECT_NEAR(again.sigma[i] / full.sigma[i], 1, 0.15);
         EXPECT_LT((again.corners[i] - full.corners[i]).norm(), 0.5 * full.sigma[i]);
         square += (full.corners[i] - quad[i]).squaredNorm() / 2 / std::pow(full.sigma[i], 2);

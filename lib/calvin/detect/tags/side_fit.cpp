@@ -194,9 +194,8 @@ SideTriangle SideSteps::information() const {
 }
 
 bool SideSteps::step() {
-  constexpr double kLongest = 1;  // px, and of the width's logarithm half of that
-  // px, and of the contrast: after such a step its factor is good.
-  const double small = every_ > 1 ? 0.15 : 0.06;
+  constexpr double kLongest = 1;   // px, and of the width's logarithm half of that
+  constexpr double kSmall = 0.06;  // px, and of the contrast: after such a step its factor is good
   accumulate(is_near_ ? SideSums::kGradient : SideSums::kAll);
   if (count_ < 2 * kSideUnknowns) return false;
   if (!is_near_) {
@@ -212,7 +211,7 @@ bool SideSteps::step() {
                 std::abs(change_[kSideBend]), 2 * std::abs(change_[kSideWidth])});
   // The derivatives of the place grow with the contrast.
   const double levels = std::max(std::abs(change_[kSideIn]), std::abs(change_[kSideOut]));
-  is_near_ = largest < small && levels < small * std::abs(out_ - in_);
+  is_near_ = largest < kSmall && levels < kSmall * std::abs(out_ - in_);
   const double share = std::min(1.0, kLongest / std::max(largest, 1e-12));
   change_ *= share;
   // What the step leaves of the squares: it may be the last one, and a first one that finds the
