@@ -24,11 +24,15 @@ struct Surroundings {
     return std::min(1.0F, along / kOfWindow) * spacing;
   }
 
-  // How far from an edge, px, nothing else is in the picture; `width` is that of the edges' blur.
+  // How far from an edge the pixels tell about it and about nothing else, px; `width` is that of
+  // the edges' blur, of which what is printed beside them has as much. Where that leaves less than
+  // the edge itself takes, a little of the next one is in them.
   [[nodiscard]] float room(float spacing, float width) const {
     constexpr float kLeast = 1.5F;  // px
+    constexpr float kClear = 2.5F;  // edge widths before the next edge
     if (aside >= 1) return std::numeric_limits<float>::infinity();
-    return std::max(kLeast, aside * spacing - width);
+    const float next = aside * spacing;
+    return std::max({kLeast, next - kClear * width, std::min(next - width, width)});
   }
 
   // How many times longer the longer step is than the shorter one.
