@@ -13,7 +13,7 @@
 #include <optional>
 #include <utility>
 
-#include "calvin/detect/checkerboard/code/any_code.hpp"
+#include "calvin/detect/checkerboard/code/any/any_code.hpp"
 #include "calvin/detect/checkerboard/sheets/sheet_search.hpp"
 #include "calvin/detect/circles/circle_detector.hpp"
 #include "calvin/detect/detector.hpp"

@@ -43,10 +43,10 @@ void AprilCode::read(const ImageView& image, const Lattice& lattice,
                      std::vector<CodeBit>& bits) const {
   const CellRange e = lattice.extent();
   for (int row = e.first.row - 1; row <= e.last.row; ++row) {
-    if (!(lattice.length({0, row}, {0, 1}) > 1)) continue;
     for (int col = e.first.col - 1; col <= e.last.col; ++col) {
-      if (!(lattice.length({col, 0}, {1, 0}) > 1)) continue;
-      read_marker(image, lattice, {col, row}, shape_, bits);
+      if (may_hold_marker(lattice, {col, row})) {
+        read_marker(image, lattice, {col, row}, shape_, bits);
+      }
     }
   }
 }

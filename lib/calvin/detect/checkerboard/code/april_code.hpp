@@ -18,6 +18,11 @@ class AprilCode final : public Code {
   void read(const ImageView& image, const Lattice& lattice,
             std::vector<CodeBit>& bits) const override;
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
+  [[nodiscard]] const MarkerShape* markers() const override { return &shape_; }
+  // Where the lines of the lattice are farther apart both ways.
+  [[nodiscard]] bool may_hold_marker(const Lattice& lattice, Cell at) const override {
+    return lattice.length(at, {1, 0}) > 1 && lattice.length(at, {0, 1}) > 1;
+  }
   // With another first tag, or with other columns and rows.
   [[nodiscard]] std::optional<Board> other_board(const ImageView& image, const Lattice& lattice,
                                                  std::span<const CodeBit> bits,

@@ -37,8 +37,7 @@ void CharucoCode::read(const ImageView& image, const Lattice& lattice,
     if (bits.size() - before >= kEnough) break;
     for (int row = e.first.row - 1; row <= e.last.row; ++row) {
       for (int col = e.first.col - 1; col <= e.last.col; ++col) {
-        // Every other square has none.
-        if (Lattice::is_even({col, row}) == shape_.inverted) continue;
+        if (!may_hold_marker(lattice, {col, row})) continue;
         if (is_whole_square(lattice, {col, row}) != whole) continue;
         read_marker(image, lattice, {col, row}, shape_, bits);
       }

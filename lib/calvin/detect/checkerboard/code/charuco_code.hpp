@@ -19,6 +19,11 @@ class CharucoCode final : public Code {
   void read(const ImageView& image, const Lattice& lattice,
             std::vector<CodeBit>& bits) const override;
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
+  [[nodiscard]] const MarkerShape* markers() const override { return &shape_; }
+  // Every other square has none.
+  [[nodiscard]] bool may_hold_marker(const Lattice& /*lattice*/, Cell at) const override {
+    return Lattice::is_even(at) != shape_.inverted;
+  }
 
  private:
   MarkerShape shape_;

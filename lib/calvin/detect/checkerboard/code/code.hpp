@@ -31,6 +31,8 @@ struct CodeBit {
   bool light = false;
 };
 
+struct MarkerShape;
+
 class Code {
  public:
   Code(const Code&) = delete;
@@ -65,6 +67,13 @@ class Code {
   // Whether the bits are dots: bit 0 between the corner of its cell and the next of the row, bit 1
   // between it and the next of the column.
   [[nodiscard]] virtual bool has_dots() const { return false; }
+
+  // How the markers look that the board has in some of its squares; null where it has none.
+  [[nodiscard]] virtual const MarkerShape* markers() const { return nullptr; }
+  // Whether the square of a lattice may hold one whose upper left corner is the node of a cell.
+  [[nodiscard]] virtual bool may_hold_marker(const Lattice& /*lattice*/, Cell /*at*/) const {
+    return false;
+  }
 
   // How many light bits have to be right: where nearly all are dark, a sheet without a code would
   // have most bits right.

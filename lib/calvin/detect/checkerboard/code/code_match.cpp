@@ -29,6 +29,30 @@ bool steps_fit(const GridAlignment& alignment, const Lattice& lattice) {
   return lattice.has_even_steps() || lattice.length(first, alignment.cell({1, 0}) - first) > 1;
 }
 
+// Every way to lay a board over a lattice: its colours and the lengths of its steps are right.
+template <typename F>
+void for_each_way(const Grid& grid, const Code& code, const Lattice& lattice, F f) {
+  const CellRange extent = lattice.extent();
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const int cols = quarter % 2 == 0 ? grid.cols : grid.rows;
+    const int rows = quarter % 2 == 0 ? grid.rows : grid.cols;
+    const CellRange all = origins(extent, cols, rows);
+    for (int row = all.first.row; row <= all.last.row; ++row) {
+      for (int col = all.first.col; col <= all.last.col; ++col) {
+        const GridAlignment alignment = {quarter, {col, row}, cols, rows};
+        if (alignment.begins_dark() != code.begins_dark()) continue;
+        if (steps_fit(alignment, lattice)) f(alignment);
+      }
+    }
+  }
+}
+
+// Whether a board has as many columns and rows, in either way.
+bool may_be_part(const CellRange& extent, const Grid& grid) {
+  return (extent.cols() <= grid.cols && extent.rows() <= grid.rows) ||
+         (extent.cols() <= grid.rows && extent.rows() <= grid.cols);
+}
+
 // Removes the nodes beyond the board.
 void trim(const GridAlignment& alignment, const Grid& grid, Lattice& lattice) {
   lattice.for_each([&](Cell c, const Node& /*node*/) {
@@ -124,10 +148,26 @@ int BitArea::within(const CellRange& range) const {
   return before(right, bottom) - before(left, bottom) - before(right, top) + before(left, top);
 }
 
-// nats, that this is no chance; none where most bits of a family are as good as chance, for the
-// codes of two places may have one family in common.
+// Another bit of a marker, or the first one of the next: a wrong marker has half of its bits right.
+void CodeMatch::Count::add_to_marker(Cell cell, bool is_right) {
+  constexpr int kFewestOfMarker = 8;       // bits, of a marker
+  constexpr double kLeastOfMarker = 0.75;  // of its bits
+  if (!(cell == marker.cell)) marker = {cell, 0, 0};
+  const auto is_wrong = [&] { return marker.right < kLeastOfMarker * marker.seen; };
+  const bool was_wrong = marker.seen >= kFewestOfMarker && is_wrong();
+  ++marker.seen;
+  marker.right += is_right ? 1 : 0;
+  if (marker.seen < kFewestOfMarker) return;
+  markers += marker.seen == kFewestOfMarker ? 1 : 0;
+  wrong_markers += (is_wrong() ? 1 : 0) - (was_wrong ? 1 : 0);
+}
+
+// nats, that this is no chance. None where most bits of a family are as good as chance, for the
+// codes of two places may have one family in common; and none where markers are wrong, for boards
+// of the same markers in rows of other lengths have some rows in common.
 double CodeMatch::Count::evidence(const Code& code) const {
   if (light < code.fewest_light()) return 0;
+  if (wrong_markers > (1 - kLeastRight) * markers) return 0;
   int all = 0;
   int good = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -152,6 +192,7 @@ CodeMatch::Count CodeMatch::count(const Code& code, std::span<const CodeBit> tur
     ++sum.seen[family];
     sum.right[family] += is_right ? 1 : 0;
     sum.light += is_right && bit.light ? 1 : 0;
+    sum.add_to_marker(bit.at.cell, is_right);
     ++seen;
     right += is_right ? 1 : 0;
     if (seen == kEnough && right < kFewRight * seen) break;
@@ -173,9 +214,7 @@ const CodeMatch::TurnedBits& CodeMatch::turned(const GridAlignment& alignment) c
   return turned_[static_cast<std::size_t>(alignment.quarter)];
 }
 
-void CodeMatch::compare_with(const Code& code, const GridAlignment& alignment) {
-  const double evidence =
-      count(code, turned(alignment).bits, alignment.point({0, 0})).evidence(code);
+void CodeMatch::add_candidate(const GridAlignment& alignment, double evidence) {
   if (evidence > best_.evidence) {
     next_best_ = best_.evidence;
     best_ = {alignment, evidence};
@@ -184,34 +223,41 @@ void CodeMatch::compare_with(const Code& code, const GridAlignment& alignment) {
   }
 }
 
+bool CodeMatch::is_convincing() const {
+  const double chances = std::log(std::max(candidates_, 1));
+  return best_.evidence >= kLeastEvidence + chances && best_.evidence >= next_best_ + kLeastLead;
+}
+
 // Ways that have all bits on the board are tried first. Where one of them has them right, hardly
 // any other way has enough bits on the board to be a rival.
 void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& lattice) {
   constexpr double kNatsPerBit = 0.6931472;  // ln 2: what a bit that is right says at the most
-  const CellRange extent = lattice.extent();
   best_ = {};
   next_best_ = 0;
   candidates_ = 0;
   turn(code);
   for (const bool with_all : {true, false}) {
-    for (int quarter = 0; quarter < 4; ++quarter) {
-      const int cols = quarter % 2 == 0 ? grid.cols : grid.rows;
-      const int rows = quarter % 2 == 0 ? grid.rows : grid.cols;
-      const CellRange all = origins(extent, cols, rows);
-      for (int row = all.first.row; row <= all.last.row; ++row) {
-        for (int col = all.first.col; col <= all.last.col; ++col) {
-          const GridAlignment alignment = {quarter, {col, row}, cols, rows};
-          if (alignment.begins_dark() != code.begins_dark()) continue;
-          if (!steps_fit(alignment, lattice)) continue;
-          const int bits = bits_within(code, alignment);
-          if ((bits == static_cast<int>(bits_.size())) != with_all) continue;
-          ++candidates_;
-          if (kNatsPerBit * bits < best_.evidence - kLeastLead) continue;
-          compare_with(code, alignment);
-        }
-      }
-    }
+    for_each_way(grid, code, lattice, [&](const GridAlignment& alignment) {
+      const int bits = bits_within(code, alignment);
+      if ((bits == static_cast<int>(bits_.size())) != with_all) return;
+      ++candidates_;
+      if (kNatsPerBit * bits < best_.evidence - kLeastLead) return;
+      const Cell shift = alignment.point({0, 0});
+      add_candidate(alignment, count(code, turned(alignment).bits, shift).evidence(code));
+    });
   }
+}
+
+// Where no bit is read with certainty, all of them are.
+void CodeMatch::compare_blurred(const ImageView& image, const Grid& grid, const Code& code,
+                                const Lattice& lattice) {
+  best_ = {};
+  next_best_ = 0;
+  if (!may_be_part(dense_extent(lattice), grid)) return;
+  blurred_.take(image, lattice, code);
+  for_each_way(grid, code, lattice, [&](const GridAlignment& alignment) {
+    add_candidate(alignment, blurred_.evidence(code, alignment));
+  });
 }
 
 int CodeMatch::bits_within(const Code& code, const GridAlignment& alignment) const {
@@ -248,10 +294,8 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
   code.read(image, lattice, bits_);
   const CellRange extent = lattice.extent();
   compare(grid, code, lattice);
-  const double chances = std::log(std::max(candidates_, 1));
-  if (best_.evidence < kLeastEvidence + chances || best_.evidence < next_best_ + kLeastLead) {
-    return another_board(image, grid, code, lattice);
-  }
+  if (!is_convincing()) compare_blurred(image, grid, code, lattice);
+  if (!is_convincing()) return another_board(image, grid, code, lattice);
   if (goes_on(best_.alignment, lattice)) {
     match = another_board(image, grid, code, lattice);
     return match.reason == Reason::kWrongBoard ? match

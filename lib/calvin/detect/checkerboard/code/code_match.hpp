@@ -11,6 +11,7 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/board_match.hpp"
+#include "calvin/detect/checkerboard/code/blurred_markers.hpp"
 #include "calvin/detect/checkerboard/code/code.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/target/grid.hpp"
@@ -57,6 +58,14 @@ class CodeMatch {
     std::array<int, Code::kFamilies> seen{};
     std::array<int, Code::kFamilies> right{};
     int light = 0;  // of those that were right
+    int markers = 0;
+    int wrong_markers = 0;  // of them
+    struct {
+      Cell cell;
+      int seen = 0;
+      int right = 0;
+    } marker;  // the last one
+    void add_to_marker(Cell cell, bool is_right);
     [[nodiscard]] double evidence(const Code& code) const;
   };
   // The bits as they are on a board that lies turned by so many quarters.
@@ -76,11 +85,15 @@ class CodeMatch {
   [[nodiscard]] const TurnedBits& turned(const GridAlignment& alignment) const;
   // How many of the turned bits lie on the board.
   [[nodiscard]] int bits_within(const Code& code, const GridAlignment& alignment) const;
-  void compare_with(const Code& code, const GridAlignment& alignment);
+  void add_candidate(const GridAlignment& alignment, double evidence);
+  [[nodiscard]] bool is_convincing() const;
   void compare(const Grid& grid, const Code& code, const Lattice& lattice);
+  void compare_blurred(const ImageView& image, const Grid& grid, const Code& code,
+                       const Lattice& lattice);
 
   std::vector<CodeBit> bits_;
   std::array<TurnedBits, 4> turned_;
+  BlurredMarkers blurred_;
   Candidate best_;
   double next_best_ = 0;  // evidence
   int candidates_ = 0;

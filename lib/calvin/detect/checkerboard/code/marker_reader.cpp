@@ -162,6 +162,14 @@ std::optional<Levels> levels_of(const ImageView& image, const Square& square,
   return Levels{*rim, *around};
 }
 
+// That of a bit of a marker, in rows.
+std::optional<float> grey_of_bit(const ImageView& image, const Square& square,
+                                 const MarkerShape& shape, int bit) {
+  const float first = 0.5F * (1 - static_cast<float>(shape.side - 1) * shape.cell);
+  return mean_in(image, square, first + shape.cell * static_cast<float>(bit % shape.side),
+                 first + shape.cell * static_cast<float>(bit / shape.side), shape.cell);
+}
+
 }  // namespace
 
 MarkerShape marker_shape(float share, int side, bool inverted) {
@@ -205,16 +213,29 @@ void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const 
   const auto square = Square::at(lattice, at);
   const auto levels = square ? levels_of(image, *square, shape) : std::nullopt;
   if (!levels) return;
-  const float first = 0.5F * (1 - static_cast<float>(shape.side - 1) * shape.cell);
   for (int i = 0; i < shape.side * shape.side; ++i) {
-    const auto grey =
-        mean_in(image, *square, first + shape.cell * static_cast<float>(i % shape.side),
-                first + shape.cell * static_cast<float>(i / shape.side), shape.cell);
+    const auto grey = grey_of_bit(image, *square, shape, i);
     if (!grey) continue;
     const float light =
         (2 * *grey - levels->rim - levels->around) / std::abs(levels->around - levels->rim);
     if (std::abs(light) >= kClearly) bits.push_back({{at, i}, light > 0});
   }
+}
+
+bool read_greys(const ImageView& image, const Lattice& lattice, Cell at, const MarkerShape& shape,
+                std::vector<float>& greys) {
+  const auto square = Square::at(lattice, at);
+  if (!square || !(square->contrast() > 0)) return false;
+  const std::size_t before = greys.size();
+  for (int i = 0; i < shape.side * shape.side; ++i) {
+    const auto grey = grey_of_bit(image, *square, shape, i);
+    if (!grey) {
+      greys.resize(before);
+      return false;
+    }
+    greys.push_back(*grey / square->contrast());
+  }
+  return true;
 }
 
 void read_circle(const ImageView& image, const Lattice& lattice, Cell at,

@@ -33,6 +33,12 @@ struct MarkerShape {
 void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const MarkerShape& shape,
                  std::vector<CodeBit>& bits);
 
+// Appends the mean grey levels of the cells of such a marker to `greys`, in rows, whatever they
+// look like; in units of the contrast of the square's corners. False, and nothing appended, where
+// not all of them are in the image.
+[[nodiscard]] bool read_greys(const ImageView& image, const Lattice& lattice, Cell at,
+                              const MarkerShape& shape, std::vector<float>& greys);
+
 // The share of the square's side that its marker has, rim and all: `shape` tells about where the
 // rim is. Absent where it has none.
 [[nodiscard]] std::optional<float> measure_marker(const ImageView& image, const Lattice& lattice,

@@ -4,7 +4,7 @@
 // Tries markers of every size in the squares, looks them up in all dictionaries, and lays rows of
 // ids.
 
-#include "calvin/detect/checkerboard/code/charuco_boards.hpp"
+#include "calvin/detect/checkerboard/code/any/charuco_boards.hpp"
 
 #include <algorithm>
 #include <array>

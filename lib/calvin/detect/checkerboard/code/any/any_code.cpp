@@ -3,14 +3,14 @@
 
 // Reads a lattice in the manner of one kind of board after the other.
 
-#include "calvin/detect/checkerboard/code/any_code.hpp"
+#include "calvin/detect/checkerboard/code/any/any_code.hpp"
 
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "calvin/detect/checkerboard/code/any/charuco_boards.hpp"
 #include "calvin/detect/checkerboard/code/april_code.hpp"
-#include "calvin/detect/checkerboard/code/charuco_boards.hpp"
 #include "calvin/detect/checkerboard/code/circle_code.hpp"
 #include "calvin/detect/checkerboard/code/puzzle_code.hpp"
 #include "calvin/target/kinds.hpp"
