@@ -13,6 +13,7 @@ namespace calvin::detect {
 
 namespace {
 
+// Fewer markers may all lie in rows that another board has, too.
 constexpr std::size_t kFewestBlurred = 6;
 
 }  // namespace

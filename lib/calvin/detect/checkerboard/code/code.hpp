@@ -18,6 +18,8 @@
 
 namespace calvin::detect {
 
+struct MarkerShape;
+
 // A bit of a code: the how manieth of those that belong to a cell. On a board, cells are counted as
 // control points are.
 struct CodePlace {
@@ -30,8 +32,6 @@ struct CodeBit {
   CodePlace at;
   bool light = false;
 };
-
-struct MarkerShape;
 
 class Code {
  public:

@@ -47,7 +47,7 @@ void for_each_way(const Grid& grid, const Code& code, const Lattice& lattice, F 
   }
 }
 
-// Whether a board has as many columns and rows, in either way.
+// Whether so many columns and rows are no more than those of a board, whichever way it lies.
 bool may_be_part(const CellRange& extent, const Grid& grid) {
   return (extent.cols() <= grid.cols && extent.rows() <= grid.rows) ||
          (extent.cols() <= grid.rows && extent.rows() <= grid.cols);
@@ -248,7 +248,8 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& latti
   }
 }
 
-// Where no bit is read with certainty, all of them are.
+// Where the bits that were read name no way with certainty, how light all bits are may do so. A
+// lattice larger than the board is none that blur hides the name of.
 void CodeMatch::compare_blurred(const ImageView& image, const Grid& grid, const Code& code,
                                 const Lattice& lattice) {
   best_ = {};
