@@ -148,18 +148,15 @@ int BitArea::within(const CellRange& range) const {
   return before(right, bottom) - before(left, bottom) - before(right, top) + before(left, top);
 }
 
-// Another bit of a marker, or the first one of the next: a wrong marker has half of its bits right.
-void CodeMatch::Count::add_to_marker(Cell cell, bool is_right) {
-  constexpr int kFewestOfMarker = 8;       // bits, of a marker
+// A wrong marker has half of its bits right by chance.
+void CodeMatch::Count::end_marker() {
+  constexpr int kFewestOfMarker = 8;       // bits; other codes have fewer in a cell
   constexpr double kLeastOfMarker = 0.75;  // of its bits
-  if (!(cell == marker.cell)) marker = {cell, 0, 0};
-  const auto is_wrong = [&] { return marker.right < kLeastOfMarker * marker.seen; };
-  const bool was_wrong = marker.seen >= kFewestOfMarker && is_wrong();
-  ++marker.seen;
-  marker.right += is_right ? 1 : 0;
-  if (marker.seen < kFewestOfMarker) return;
-  markers += marker.seen == kFewestOfMarker ? 1 : 0;
-  wrong_markers += (is_wrong() ? 1 : 0) - (was_wrong ? 1 : 0);
+  if (marker.seen >= kFewestOfMarker) {
+    ++markers;
+    wrong_markers += marker.right < kLeastOfMarker * marker.seen ? 1 : 0;
+  }
+  marker = {};
 }
 
 // nats, that this is no chance. None where most bits of a family are as good as chance, for the
@@ -192,11 +189,13 @@ CodeMatch::Count CodeMatch::count(const Code& code, std::span<const CodeBit> tur
     ++sum.seen[family];
     sum.right[family] += is_right ? 1 : 0;
     sum.light += is_right && bit.light ? 1 : 0;
-    sum.add_to_marker(bit.at.cell, is_right);
+    if (!(bit.at.cell == sum.marker.cell)) sum.end_marker();
+    sum.marker = {bit.at.cell, sum.marker.seen + 1, sum.marker.right + (is_right ? 1 : 0)};
     ++seen;
     right += is_right ? 1 : 0;
     if (seen == kEnough && right < kFewRight * seen) break;
   }
+  sum.end_marker();
   return sum;
 }
 

@@ -60,12 +60,13 @@ class CodeMatch {
     int light = 0;  // of those that were right
     int markers = 0;
     int wrong_markers = 0;  // of them
+    // The marker whose bits are being counted: those of a cell follow each other.
     struct {
       Cell cell;
-      int seen = 0;
+      int seen = 0;  // bits
       int right = 0;
-    } marker;  // the last one
-    void add_to_marker(Cell cell, bool is_right);
+    } marker;
+    void end_marker();
     [[nodiscard]] double evidence(const Code& code) const;
   };
   // The bits as they are on a board that lies turned by so many quarters.
