@@ -24,11 +24,9 @@ constexpr float kLeastSpacing = 4.5F;    // px
 constexpr float kFarOff = 0.45F;         // of the spacing, from where a node is expected
 constexpr int kFewestToBuildOn = 6;      // nodes
 
-bool has_markers(const Surroundings& surroundings) { return surroundings.aside < 1; }
-
 // The ring of the response to corners: a marker leaves little of a square between itself and them.
 RingSize response_ring(const Surroundings& surroundings) {
-  return has_markers(surroundings) ? RingSize::kSmall : RingSize::kLarge;
+  return surroundings.has_markers() ? RingSize::kSmall : RingSize::kLarge;
 }
 
 // Sets the place of a corner to the centroid of the response around its peak.
@@ -203,7 +201,7 @@ bool find_node(const ImageView& image, const Lattice& lattice, Cell cell, Node& 
   if (peak.response < kWeakResponse) return false;
   Corner corner;
   if (!check_rings(image, peak.x, peak.y, kAsymmetryInGap, corner) &&
-      !(has_markers(lattice.surroundings()) &&
+      !(lattice.surroundings().has_markers() &&
         check_around(image, kAsymmetryInGap, peak, corner))) {
     return false;
   }
@@ -267,7 +265,7 @@ void BoardSearch::detect_corners(const ImageView& image, const SearchOptions& op
   groups_.clear();
   next_group_ = 0;
   image_ = image;
-  const bool markers = has_markers(options.surroundings);
+  const bool markers = options.surroundings.has_markers();
   const RingSize ring = response_ring(options.surroundings);
   for (SaddlePoint p : saddle_search_.find(image, ring, options.threshold,
                                            static_cast<std::size_t>(options.most_points))) {
@@ -394,7 +392,7 @@ bool BoardSearch::next(Lattice& lattice) {
   while (next_group_ < groups_.size()) {
     fill(groups_[next_group_++], lattice);
     // What markers hide at the ends of rows would be pruned before it is looked for.
-    if (has_markers(options_.surroundings)) complete(image_, lattice, options_.most_points, false);
+    if (options_.surroundings.has_markers()) complete(image_, lattice, options_.most_points, false);
     lattice.prune(kFarOff);
     if (lattice.count() >= std::min(options_.least_nodes, kFewestToBuildOn)) return true;
   }

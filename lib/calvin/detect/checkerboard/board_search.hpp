@@ -37,6 +37,8 @@ class BoardSearch {
   // Moves to the next lattice of at least `least_nodes` corners, the largest first, its stray
   // corners removed; false where none is left.
   [[nodiscard]] bool next(Lattice& lattice);
+  // How many corners were found, of lattices and of nothing.
+  [[nodiscard]] int corners() const { return static_cast<int>(corners_.size()); }
   // How many corners the next lattice links; 0 where none is left.
   [[nodiscard]] int next_size() const {
     return next_group_ < groups_.size() ? groups_[next_group_].size : 0;

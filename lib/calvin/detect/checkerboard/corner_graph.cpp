@@ -44,7 +44,7 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
   constexpr int kForgiven = 8;                // of so many samples one
   const Direction step = {to.x - from.x, to.y - from.y};
   const float length = std::sqrt(dot(step, step));
-  const float most_aside = surroundings.aside < 1 ? kMostBesideMarkers : kMostAside;
+  const float most_aside = surroundings.has_markers() ? kMostBesideMarkers : kMostAside;
   const float aside = std::clamp(kAside * length, kLeastAside, most_aside) / length;
   // The middle of the edge may be that of a dot.
   const float middle = surroundings.along < 1 ? 0.5F - surroundings.along + kRim : 0;
@@ -89,7 +89,7 @@ bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const
 void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach,
                         const Surroundings& surroundings) {
   // Between two corners of squares, what markers have for corners may be nearer.
-  rules_ = {reach, surroundings.aside < 1, kLongestLink * surroundings.step_ratio()};
+  rules_ = {reach, surroundings.has_markers(), kLongestLink * surroundings.step_ratio()};
   search_.run(corners, image.size(), rules_, nearest_);
   links_.assign(corners.size(), {kNoCorner, kNoCorner, kNoCorner, kNoCorner});
   for (std::size_t i = 0; i < corners.size(); ++i) {

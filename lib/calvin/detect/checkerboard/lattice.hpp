@@ -84,6 +84,7 @@ class Lattice {
   explicit Lattice(int reach, const Surroundings& surroundings = {});
 
   [[nodiscard]] const Surroundings& surroundings() const { return surroundings_; }
+  void set_blurred(bool blurred) { surroundings_.blurred = blurred; }
 
   // Whether the step from column 0 to column 1 is the longer one, where steps differ. Where columns
   // are farther apart after an even one, rows are so after an odd one: a square between four even

@@ -43,6 +43,9 @@ class Refinement {
 
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_.at(c); }
 
+  // Makes all sigmas of a refined lattice so many times larger.
+  void widen(float factor, Lattice& lattice);
+
   // The blur of the edges of a refined lattice, px, 1 sigma: the median over its nodes, of the
   // edges along rows or along columns, whichever is larger.
   [[nodiscard]] double blur(const Lattice& lattice);

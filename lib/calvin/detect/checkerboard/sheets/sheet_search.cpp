@@ -73,6 +73,7 @@ void SheetSearch::begin(const ImageView& image) {
   image_ = image;
   sheet_count_ = 0;
   part_count_ = 0;
+  lattice_.set_blurred(false);
   other_.clear();
   other_is_sure_ = false;
 }
@@ -92,14 +93,15 @@ int SheetSearch::missing() const {
 bool SheetSearch::confirm_prediction(std::size_t wanted, const FitGrid& before) {
   if (image_.data == nullptr) return false;
   const Pattern& pattern = wanted_[wanted].pattern;
-  if (pattern.code && pattern.code->has_dots()) {
-    set_dots(*pattern.code, {0, {1, 0}, pattern.grid.cols, pattern.grid.rows}, lattice_);
-  }
+  const PlacedBoard board = {
+      pattern.code.get(), {0, {1, 0}, pattern.grid.cols, pattern.grid.rows}, {}};
+  if (pattern.code && pattern.code->has_dots()) set_dots(*pattern.code, board.alignment, lattice_);
   pyramid_.build(image_, 1);
   const ImageView& full = pyramid_.level(0);
   if (!refinement_.confirm(full, lattice_)) return false;
-  const bool good = before.empty() ? refinement_.refine(full, lattice_)
-                                   : refinement_.refine_again(full, before, lattice_);
+  const bool good =
+      before.empty() ? board_refinement_.refine(full, board, refinement_, lattice_)
+                     : board_refinement_.refine_again(full, board, before, refinement_, lattice_);
   if (!good || lattice_.count() < wanted_[wanted].pattern.grid.count()) return false;
   const Match match = this->match(wanted, lattice_);
   if (match.reason != Reason::kAccepted || is_taken(lattice_, 0)) return false;
@@ -135,6 +137,23 @@ int SheetSearch::least_group() const {
 void SheetSearch::search_level(int level) {
   SearchOptions options = search_options(wanted_, pyramid_, level);
   for (const Sheet& sheet : sheets()) options.taken.push_back(in_level(sheet.outline, level));
+  const std::size_t before = sheet_count_ + part_count_;
+  search_level(level, options);
+  if (sheet_count_ + part_count_ > before || !may_be_blurred(level)) return;
+  options.surroundings.blurred = true;
+  search_level(level, options);
+}
+
+// Whether a board may be there whose markers blur has hidden: its corners are those of a plain
+// checkerboard then. Squares that such blur leaves to be seen are large enough for smaller levels,
+// and a picture with many corners beside markers is sharp.
+bool SheetSearch::may_be_blurred(int level) const {
+  return surroundings_.has_markers() && surroundings_.gap == 1 && level > 0 && missing() > 0 &&
+         search_.corners() <= 3 * most_points_;
+}
+
+void SheetSearch::search_level(int level, const SearchOptions& options) {
+  lattice_.set_blurred(options.surroundings.blurred);
   search_.detect_corners(pyramid_.calm_level(level), options);
   while (search_.next_size() > 0 && search_.next_size() >= least_group() &&
          search_.next(lattice_)) {
@@ -355,12 +374,9 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   const ImageView& image = pyramid_.level(0);
   const int before = lattice.count();
   const Pattern& pattern = wanted_[wanted].pattern;
-  if (pattern.code && pattern.code->has_dots()) {
-    set_dots(*pattern.code, match.alignment, lattice);
-  }
-  if (!refinement_.refine(image, lattice, cells_if_nearly_whole(pattern, match, lattice))) {
-    return false;
-  }
+  const std::vector<Cell> cells = cells_if_nearly_whole(pattern, match, lattice);
+  const PlacedBoard board = {pattern.code.get(), match.alignment, cells};
+  if (!board_refinement_.refine(image, board, refinement_, lattice)) return false;
   if (!match.whole || lattice.count() < before) {
     // Some nodes may have been no corners, and the refined places of the others tell the edge of
     // the board from something that covers it up to the next row.

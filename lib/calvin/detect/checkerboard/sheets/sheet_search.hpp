@@ -19,6 +19,7 @@
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/detect/checkerboard/refine.hpp"
+#include "calvin/detect/checkerboard/sheets/board_refinement.hpp"
 #include "calvin/detect/checkerboard/sheets/lattice_area.hpp"
 #include "calvin/detect/checkerboard/sheets/sheet.hpp"
 #include "calvin/detect/checkerboard/sheets/wanted_boards.hpp"
@@ -80,6 +81,8 @@ class SheetSearch {
   // How many corners have to be linked in a level, to be looked at as a further sheet.
   [[nodiscard]] int least_group() const;
   void search_level(int level);
+  void search_level(int level, const SearchOptions& options);
+  [[nodiscard]] bool may_be_blurred(int level) const;
   // `lattice_` in px of the level.
   void look_at_lattice(int level);
   // `lattice_` in px of the image; `enough` as in BoardSearch::complete().
@@ -117,6 +120,7 @@ class SheetSearch {
   Pyramid pyramid_;
   BoardSearch search_;
   Refinement refinement_;
+  BoardRefinement board_refinement_;
   CodeMatch code_match_;
   Lattice lattice_;
   Lattice trial_;  // of a board, where there are several
