@@ -139,7 +139,7 @@ bool BoardRefinement::refine_without_markers(const ImageView& image, const Place
     move_nodes(first);
     first = false;
   }
-  if (!now_.is_settled(kFar[0], kFar[1])) return false;
+  if (!(now_.sigma > 0) || !now_.is_settled(kFar[0], kFar[1])) return false;
   // What a round still moves is uncertain too.
   refinement.widen(std::hypot(amplified_.value_or(1), now_.step_size() / now_.sigma), fitted_);
   lattice = fitted_;

@@ -21,12 +21,13 @@ void add(float share, const float* a, const float* b, std::size_t count, float* 
 
 }  // namespace
 
-void MarkerDrawing::draw(const LatticeSquare& square, const MarkerCells& cells, float width) {
+void MarkerDrawing::draw(ImageSize image, const LatticeSquare& square, const MarkerCells& cells,
+                         float width) {
   constexpr float kShared =
       1.0F / 6 - 1.0F / 48;       // px^2: the blur of points that pixels have shared
   constexpr float kLeast = 0.1F;  // px^2
   const float sigma = std::sqrt(std::max(width * width - kShared, kLeast));
-  take_part(square, kBlurReach * sigma + 2);
+  take_part(image, square, kBlurReach * sigma + 2);
   const float first = 0.5F * (1 - static_cast<float>(cells.side - 1) * cells.cell);
   for (int row = 0; row < cells.side; ++row) {
     for (int col = 0; col < cells.side; ++col) {
@@ -38,7 +39,7 @@ void MarkerDrawing::draw(const LatticeSquare& square, const MarkerCells& cells, 
   blur(sigma);
 }
 
-void MarkerDrawing::take_part(const LatticeSquare& square, float reach) {
+void MarkerDrawing::take_part(ImageSize image, const LatticeSquare& square, float reach) {
   Box box;
   for (const float s : {0.0F, 0.5F, 1.0F}) {
     for (const float t : {0.0F, 0.5F, 1.0F}) {
@@ -46,10 +47,16 @@ void MarkerDrawing::take_part(const LatticeSquare& square, float reach) {
       box.add(p.x, p.y);
     }
   }
-  left_ = static_cast<int>(std::floor(box.left - reach));
-  top_ = static_cast<int>(std::floor(box.top - reach));
-  width_ = static_cast<int>(std::ceil(box.right + reach)) + 1 - left_;
-  height_ = static_cast<int>(std::ceil(box.bottom + reach)) + 1 - top_;
+  // As far as the image may see it: places beyond the corners are only expected, and may be far
+  // off.
+  const auto within = [reach](float at, int size) {
+    return static_cast<int>(
+        std::clamp(std::isfinite(at) ? at : 0.0F, -reach, static_cast<float>(size) + reach));
+  };
+  left_ = within(std::floor(box.left - reach), image.width);
+  top_ = within(std::floor(box.top - reach), image.height);
+  width_ = within(std::ceil(box.right + reach), image.width) + 1 - left_;
+  height_ = within(std::ceil(box.bottom + reach), image.height) + 1 - top_;
   shares_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0F);
 }
 
@@ -58,20 +65,23 @@ void MarkerDrawing::draw_cell(const LatticeSquare& square, float s, float t, flo
   constexpr float kPerPixel = 2;
   constexpr int kMostSteps = 24;
   const float area = square.area(s, t, cell);
-  const int steps =
-      std::clamp(static_cast<int>(std::ceil(kPerPixel * std::sqrt(area))), 2, kMostSteps);
+  const float across = std::min(kPerPixel * std::sqrt(area), static_cast<float>(kMostSteps));
+  if (!std::isfinite(area)) return;
+  const int steps = std::max(static_cast<int>(std::ceil(across)), 2);
   const float share = area / static_cast<float>(steps * steps);
   const auto offset = [&](int i) {
     return cell * static_cast<float>(2 * i + 1 - steps) / static_cast<float>(2 * steps);
   };
+  const auto last_x = static_cast<float>(width_ - 1);
+  const auto last_y = static_cast<float>(height_ - 1);
   for (int i = 0; i < steps; ++i) {
     for (int k = 0; k < steps; ++k) {
       const Direction p = square.place(s + offset(k), t + offset(i));
       const float x = p.x - static_cast<float>(left_);
       const float y = p.y - static_cast<float>(top_);
+      if (!(x >= 0 && y >= 0 && x < last_x && y < last_y)) continue;
       const int col = static_cast<int>(x);
       const int row = static_cast<int>(y);
-      if (!(x >= 0 && y >= 0) || col + 1 >= width_ || row + 1 >= height_) continue;
       const float right = x - static_cast<float>(col);
       const float down = y - static_cast<float>(row);
       float* at = shares_.data() + row * width_ + col;

@@ -22,8 +22,9 @@ struct MarkerCells {
 // A part of an image. Keeps its memory.
 class MarkerDrawing {
  public:
-  // Edges have a blur of `width` px, 1 sigma, that of pixels included.
-  void draw(const LatticeSquare& square, const MarkerCells& cells, float width);
+  // Draws what an image of a size sees of a marker; edges have a blur of `width` px, 1 sigma, that
+  // of pixels included.
+  void draw(ImageSize image, const LatticeSquare& square, const MarkerCells& cells, float width);
 
   // The part's place in the image, whole px.
   [[nodiscard]] int left() const { return left_; }
@@ -34,7 +35,7 @@ class MarkerDrawing {
   [[nodiscard]] const float* row(int y) const { return shares_.data() + y * width_; }
 
  private:
-  void take_part(const LatticeSquare& square, float reach);
+  void take_part(ImageSize image, const LatticeSquare& square, float reach);
   void draw_cell(const LatticeSquare& square, float s, float t, float cell);
   void blur(float sigma);
   void blur_rows();

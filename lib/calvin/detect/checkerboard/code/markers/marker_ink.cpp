@@ -23,6 +23,12 @@ LatticePlace middle_of(const Lattice& lattice, Cell at) {
   return {0.5 * (a.col + b.col), 0.5 * (a.row + b.row)};
 }
 
+// Whether any corner of a square is there: markers farther away are not beside one.
+bool has_corner(const Lattice& lattice, Cell at) {
+  return lattice.has(at) || lattice.has(at + Cell{1, 0}) || lattice.has(at + Cell{0, 1}) ||
+         lattice.has(at + Cell{1, 1});
+}
+
 // The mean grey level about the middle of a square.
 std::optional<float> middle_grey(const ImageView& image, const Lattice& lattice, Cell at) {
   constexpr int kSteps = 5;
@@ -103,20 +109,20 @@ bool MarkerInk::take_cells(const Code& code, const GridAlignment& alignment, Cel
 }
 
 void MarkerInk::draw(const Code& code, const GridAlignment& alignment, const Lattice& lattice,
-                     float width) {
+                     ImageSize size, float width) {
   count_ = 0;
   const CellRange e = all_.extent();
   for (int row = e.first.row; row < e.last.row; ++row) {
     for (int col = e.first.col; col < e.last.col; ++col) {
       const Cell c = {col, row};
-      if (!code.may_hold_marker(all_, c) || !is_whole_square(all_, c)) continue;
+      if (!code.may_hold_marker(all_, c) || !has_corner(lattice, c)) continue;
       const auto square = LatticeSquare::at(all_, c);
       if (!square || !take_cells(code, alignment, c)) continue;
       if (count_ == markers_.size()) markers_.emplace_back();
       Marker& marker = markers_[count_++];
       marker.cell = c;
       marker.is_whole = is_whole_square(lattice, c);
-      marker.drawing.draw(*square, cells_, width);
+      marker.drawing.draw(size, *square, cells_, width);
     }
   }
 }
@@ -192,7 +198,7 @@ ImageView MarkerInk::taken_off(const ImageView& image, const Code& code,
     std::copy_n(image.data + y * image.stride, image.width, pixels_.data() + y * image.width);
   }
   take_lattice(lattice, alignment);
-  draw(code, alignment, lattice, width);
+  draw(code, alignment, lattice, image.size(), width);
   take_contrasts(image, lattice, width);
   for (const Marker& marker : markers()) {
     const double contrast = contrasts_->at(middle_of(all_, marker.cell));

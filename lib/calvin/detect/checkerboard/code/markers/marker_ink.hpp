@@ -39,7 +39,8 @@ class MarkerInk {
   };
   void take_lattice(const Lattice& lattice, const GridAlignment& alignment);
   [[nodiscard]] bool take_cells(const Code& code, const GridAlignment& alignment, Cell at);
-  void draw(const Code& code, const GridAlignment& alignment, const Lattice& lattice, float width);
+  void draw(const Code& code, const GridAlignment& alignment, const Lattice& lattice,
+            ImageSize size, float width);
   // The grey levels in the middle of a marker's square, less those of the squares beside it; and
   // the share of the square's own ground that is seen there. False where they cannot be told.
   [[nodiscard]] bool take_samples(const ImageView& image, const Lattice& lattice,
