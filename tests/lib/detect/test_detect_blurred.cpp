@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/detect/checkerboard/code/markers/marker_ink.hpp"
+#include "calvin/detect/checkerboard/code/pattern.hpp"
 #include "calvin/detect/detector.hpp"
 #include "calvin/target/marker_dictionary.hpp"
 #include "detect_scenes.hpp"
@@ -108,6 +110,56 @@ TEST_F(BlurredMarkers, AreNoNoiseOfCorners) {
     const double predicted = std::sqrt(score.predicted / score.square);
     EXPECT_GT(predicted, 0.8) << text;
     EXPECT_LT(predicted, 1.25) << text;
+  }
+}
+
+// Without its markers, a ChArUco board is the checkerboard of its squares: to less than a hundredth
+// of what the markers take from it.
+TEST_F(BlurredMarkers, AreTakenOutOfThePicture) {
+  const int pictures = scenes::full_count() ? 30 : 4;
+  const float width = std::sqrt(3.2F * 3.2F + 1.0F / 12);  // px, that of pixels included
+  const detect::Pattern pattern(parse_board("charuco:8x6:40mm:30mm:DICT_5X5_100").value());
+  const Grid& grid = pattern.grid;
+  detect::MarkerInk ink;
+  for (int i = 0; i < pictures; ++i) {
+    const auto picture_of = [&](const char* board) {
+      bench::SceneClass kind = kBlurred;
+      kind.board = board;
+      return bench::make_scene(kind, kSize, 500 + static_cast<std::uint64_t>(i));
+    };
+    const auto shown = picture_of("charuco:8x6:40mm:30mm:DICT_5X5_100");
+    const auto plain = picture_of("checkerboard:7x5:40mm");
+    detect::Lattice lattice(12, pattern.surroundings);
+    for (std::size_t k = 0; k < shown.truth.ids.size(); ++k) {
+      const GridPlace at = grid.place(shown.truth.ids[k]);
+      detect::Node node;
+      node.x = static_cast<float>(shown.truth.uv[k].u);
+      node.y = static_cast<float>(shown.truth.uv[k].v);
+      lattice.put({at.col + 1, at.row}, node);
+    }
+    const ImageView left = ink.taken_off(view_of(shown.image), *pattern.code,
+                                         {0, {1, 0}, grid.cols, grid.rows}, lattice, width);
+    // Noise averages out over some pixels.
+    const auto difference = [&](const ImageView& image) {
+      double squares = 0;
+      int count = 0;
+      constexpr int kSide = 8;  // px
+      for (int y = 0; y + kSide <= image.height; y += kSide) {
+        for (int x = 0; x + kSide <= image.width; x += kSide) {
+          double sum = 0;
+          for (int row = y; row < y + kSide; ++row) {
+            for (int col = x; col < x + kSide; ++col) {
+              sum += image.at(col, row) - plain.image.at<std::uint8_t>(row, col);
+            }
+          }
+          squares += sum * sum;
+          ++count;
+        }
+      }
+      return std::sqrt(squares / count) / (kSide * kSide);
+    };
+    EXPECT_GT(difference(view_of(shown.image)), 5) << i;
+    EXPECT_LT(difference(left), 0.01 * difference(view_of(shown.image))) << i;
   }
 }
 

@@ -117,13 +117,6 @@ void Refinement::drop_uncertain(Lattice& lattice) {
   });
 }
 
-void Refinement::widen(float factor, Lattice& lattice) {
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    fit(c).sigma *= factor;
-    lattice.at(c).sigma *= factor;
-  });
-}
-
 double Refinement::blur(const Lattice& lattice) {
   const float along = fits_.median(lattice, [](const SaddleFit& f) { return f.along_width; });
   const float down = fits_.median(lattice, [](const SaddleFit& f) { return f.down_width; });

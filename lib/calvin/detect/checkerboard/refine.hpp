@@ -44,7 +44,12 @@ class Refinement {
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_.at(c); }
 
   // Makes all sigmas of a refined lattice so many times larger.
-  void widen(float factor, Lattice& lattice);
+  void widen(float factor, Lattice& lattice) {
+    lattice.for_each([&](Cell c, const Node& /*node*/) {
+      fit(c).sigma *= factor;
+      lattice.at(c).sigma *= factor;
+    });
+  }
 
   // The blur of the edges of a refined lattice, px, 1 sigma: the median over its nodes, of the
   // edges along rows or along columns, whichever is larger.

@@ -50,6 +50,11 @@ bool reach_edges(const Lattice& lattice) {
   return kClear * usual_width(lattice) > lattice.surroundings().aside * usual_spacing(lattice);
 }
 
+void take_dots(const PlacedBoard& board, Lattice& lattice) {
+  if (board.code == nullptr || !board.code->has_dots()) return;
+  set_dots(*board.code, board.alignment, lattice);
+}
+
 // Adds the corners of a board that markers have hidden.
 void complete(const ImageView& image, const GridAlignment& alignment, Lattice& lattice) {
   BoardSearch::complete(image, lattice, 2 * alignment.cols * alignment.rows, true);
@@ -63,6 +68,20 @@ void complete(const ImageView& image, const GridAlignment& alignment, Lattice& l
 
 }  // namespace
 
+PlacedBoard placed_board(const Pattern& pattern, const GridAlignment& alignment,
+                         const Lattice& lattice) {
+  constexpr std::size_t kFew = 10;  // one of so many
+  PlacedBoard board = {pattern.code.get(), alignment, {}};
+  std::size_t unseen = 0;
+  for (const int id : pattern.grid.ids()) {
+    const GridPlace at = pattern.grid.place(id);
+    board.cells.push_back(alignment.cell({at.col, at.row}));
+    unseen += lattice.has(board.cells.back()) ? 0 : 1;
+  }
+  if (kFew * unseen > board.cells.size()) board.cells.clear();
+  return board;
+}
+
 // px, RMS over the nodes.
 float BoardRefinement::Round::step_size() const {
   float squares = 0;
@@ -70,15 +89,13 @@ float BoardRefinement::Round::step_size() const {
   return std::sqrt(squares / std::max(static_cast<float>(step.size()), 1.0F));
 }
 
-bool BoardRefinement::Round::is_settled(float of_sigma, float of_width) const {
-  return step_size() <= of_sigma * sigma && std::abs(width_step) <= of_width * width;
+bool BoardRefinement::Round::is_within(const Limits& most) const {
+  return step_size() <= most.of_sigma * sigma && std::abs(width_step) <= most.of_width * width;
 }
 
 bool BoardRefinement::refine(const ImageView& image, const PlacedBoard& board,
                              Refinement& refinement, Lattice& lattice) {
-  if (board.code != nullptr && board.code->has_dots()) {
-    set_dots(*board.code, board.alignment, lattice);
-  }
+  take_dots(board, lattice);
   if (board.code != nullptr && has_markers_inside(*board.code)) {
     return refine_beside_markers(image, board, refinement, lattice);
   }
@@ -88,6 +105,7 @@ bool BoardRefinement::refine(const ImageView& image, const PlacedBoard& board,
 bool BoardRefinement::refine_again(const ImageView& image, const PlacedBoard& board,
                                    const FitGrid& before, Refinement& refinement,
                                    Lattice& lattice) {
+  take_dots(board, lattice);
   if (board.code != nullptr && has_markers_inside(*board.code) && reach_edges(lattice)) {
     return refine_without_markers(image, board, refinement, lattice);
   }
@@ -113,10 +131,10 @@ bool BoardRefinement::refine_beside_markers(const ImageView& image, const Placed
 bool BoardRefinement::refine_without_markers(const ImageView& image, const PlacedBoard& board,
                                              Refinement& refinement, Lattice& lattice) {
   constexpr int kRounds = 10;
-  constexpr float kDone[2] = {0.5F, 0.02F};  // of the sigma, and of the width
-  constexpr float kNear[2] = {3, 0.05F};
-  constexpr float kFar[2] = {10, 0.05F};
-  constexpr float kWidest = 0.18F;  // of the squares: with more blur no corners are seen
+  constexpr Limits kDone = {0.5F, 0.02F};
+  constexpr Limits kNear = {3, 0.05F};      // as good as a corner that is only expected
+  constexpr Limits kUseless = {10, 0.05F};  // beyond that, rounds lead nowhere
+  constexpr float kWidest = 0.18F;          // of the squares: with more blur no corners are seen
   at_ = lattice;
   at_.set_blurred(true);
   bool completed = at_.count() == board.alignment.cols * board.alignment.rows;
@@ -126,7 +144,7 @@ bool BoardRefinement::refine_without_markers(const ImageView& image, const Place
   bool first = true;
   for (int round = 0; round < kRounds; ++round) {
     const ImageView view = ink_.taken_off(image, *board.code, board.alignment, at_, width);
-    if (!first && !completed && now_.is_settled(kNear[0], kNear[1])) {
+    if (!first && !completed && now_.is_within(kNear)) {
       completed = true;
       first = true;
       complete(view, board.alignment, at_);
@@ -134,12 +152,12 @@ bool BoardRefinement::refine_without_markers(const ImageView& image, const Place
     fitted_ = at_;
     if (!refinement.refine(view, fitted_, board.cells)) return false;
     take_round(width, first);
-    if (completed && now_.is_settled(kDone[0], kDone[1])) break;
+    if (completed && now_.is_within(kDone)) break;
     width = std::min(next_width(first), widest);
     move_nodes(first);
     first = false;
   }
-  if (!(now_.sigma > 0) || !now_.is_settled(kFar[0], kFar[1])) return false;
+  if (!(now_.sigma > 0) || !now_.is_within(kUseless)) return false;
   // What a round still moves is uncertain too.
   refinement.widen(std::hypot(amplified_.value_or(1), now_.step_size() / now_.sigma), fitted_);
   lattice = fitted_;

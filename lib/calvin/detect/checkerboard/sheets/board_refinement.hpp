@@ -6,13 +6,13 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/board_match.hpp"
 #include "calvin/detect/checkerboard/code/code.hpp"
 #include "calvin/detect/checkerboard/code/markers/marker_ink.hpp"
+#include "calvin/detect/checkerboard/code/pattern.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/detect/checkerboard/refine.hpp"
 
@@ -22,8 +22,10 @@ namespace calvin::detect {
 struct PlacedBoard {
   const Code* code = nullptr;  // null for a board without one
   GridAlignment alignment;
-  std::span<const Cell> cells;  // where nearly all of it is there, see Refinement::refine()
+  std::vector<Cell> cells;  // where nearly all of it is there, see Refinement::refine()
 };
+[[nodiscard]] PlacedBoard placed_board(const Pattern& pattern, const GridAlignment& alignment,
+                                       const Lattice& lattice);
 
 // Markers that blur runs into the edges beside them are drawn by where the corners are and how wide
 // the edges are, and taken out of the picture; the corners are fitted in what is left, and so on
@@ -39,6 +41,11 @@ class BoardRefinement {
                                   const FitGrid& before, Refinement& refinement, Lattice& lattice);
 
  private:
+  // What a round changes, at most: of the sigma, RMS, and of the width.
+  struct Limits {
+    float of_sigma = 0;
+    float of_width = 0;
+  };
   // A round begins with places of the nodes and a width of the edges, px, and leads to others.
   struct Round {
     std::vector<Direction> from;
@@ -47,8 +54,7 @@ class BoardRefinement {
     float width_step = 0;
     float sigma = 0;  // px, median of the nodes
     [[nodiscard]] float step_size() const;
-    // Whether neither changes by more than so much: of the sigma, and of the width.
-    [[nodiscard]] bool is_settled(float of_sigma, float of_width) const;
+    [[nodiscard]] bool is_within(const Limits& most) const;
   };
   [[nodiscard]] bool refine_beside_markers(const ImageView& image, const PlacedBoard& board,
                                            Refinement& refinement, Lattice& lattice);

@@ -42,21 +42,6 @@ T& append(std::vector<T>& list, std::size_t& count, int reach, const Surrounding
   return list[count++];
 }
 
-// The cells of a board, where the lattice has all but a few of them.
-std::vector<Cell> cells_if_nearly_whole(const Pattern& pattern, const Match& match,
-                                        const Lattice& lattice) {
-  constexpr std::size_t kFew = 10;  // one of so many
-  std::vector<Cell> cells;
-  std::size_t unseen = 0;
-  for (const int id : pattern.grid.ids()) {
-    const GridPlace at = pattern.grid.place(id);
-    cells.push_back(match.alignment.cell({at.col, at.row}));
-    unseen += lattice.has(cells.back()) ? 0 : 1;
-  }
-  if (kFew * unseen > cells.size()) cells.clear();
-  return cells;
-}
-
 }  // namespace
 
 SheetSearch::SheetSearch(std::vector<WantedBoard> wanted)
@@ -95,7 +80,6 @@ bool SheetSearch::confirm_prediction(std::size_t wanted, const FitGrid& before) 
   const Pattern& pattern = wanted_[wanted].pattern;
   const PlacedBoard board = {
       pattern.code.get(), {0, {1, 0}, pattern.grid.cols, pattern.grid.rows}, {}};
-  if (pattern.code && pattern.code->has_dots()) set_dots(*pattern.code, board.alignment, lattice_);
   pyramid_.build(image_, 1);
   const ImageView& full = pyramid_.level(0);
   if (!refinement_.confirm(full, lattice_)) return false;
@@ -374,8 +358,7 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   const ImageView& image = pyramid_.level(0);
   const int before = lattice.count();
   const Pattern& pattern = wanted_[wanted].pattern;
-  const std::vector<Cell> cells = cells_if_nearly_whole(pattern, match, lattice);
-  const PlacedBoard board = {pattern.code.get(), match.alignment, cells};
+  const PlacedBoard board = placed_board(pattern, match.alignment, lattice);
   if (!board_refinement_.refine(image, board, refinement_, lattice)) return false;
   if (!match.whole || lattice.count() < before) {
     // Some nodes may have been no corners, and the refined places of the others tell the edge of
