@@ -113,6 +113,32 @@ TEST_F(BlurredMarkers, AreNoNoiseOfCorners) {
   }
 }
 
+// So much blur leaves no marker to be seen beside the corners: they are those of a plain
+// checkerboard.
+TEST_F(BlurredMarkers, HideNoCorners) {
+  const int pictures = scenes::full_count() ? 60 : 8;
+  const bench::SceneClass far = {
+      .name = "far and out of focus", .blur = 3.3, .square_from = 22, .square_to = 28, .tilt = 0.3};
+  for (const char* text :
+       {"charuco:8x6:40mm:30mm:DICT_5X5_100", "charuco:7x8:40mm:30mm:DICT_6X6_250:legacy"}) {
+    const auto detector = make_detector(parse_board(text).value()).value();
+    bench::SceneClass kind = far;
+    kind.board = text;
+    Score score;
+    for (int i = 0; i < pictures; ++i) {
+      const auto scene = bench::make_scene(kind, kSize, 1100 + static_cast<std::uint64_t>(i));
+      score.add(scene.truth, detector->detect(view_of(scene.image)).observation);
+    }
+    const double share = static_cast<double>(score.named) / score.visible;
+    std::cout << text << ", " << kind.name << ": " << 100 * share << " % named, " << score.wrong
+              << " wrong, RMS " << std::sqrt(score.square / score.named)
+              << " px, predicted over real " << std::sqrt(score.predicted / score.square) << "\n";
+    EXPECT_GE(share, 0.9) << text;
+    EXPECT_EQ(score.wrong, 0) << text;
+    EXPECT_LT(std::sqrt(score.square / score.named), 0.1) << text;
+  }
+}
+
 // Without its markers, a ChArUco board is the checkerboard of its squares: to less than a hundredth
 // of what the markers take from it.
 TEST_F(BlurredMarkers, AreTakenOutOfThePicture) {
