@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calvin/detect/checkerboard/stray_corners.hpp"
+#include "calvin/detect/checkerboard/fits/stray_corners.hpp"
 #include "calvin/detect/detector.hpp"
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calvin/detect/checkerboard/scatter.hpp"
+#include "calvin/detect/checkerboard/fits/scatter.hpp"
 #include "calvin/synth/render.hpp"
 #include "scenes.hpp"
 

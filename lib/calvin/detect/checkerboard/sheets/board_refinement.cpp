@@ -13,7 +13,7 @@
 #include "calvin/detect/checkerboard/board_search.hpp"
 #include "calvin/detect/checkerboard/code/code_match.hpp"
 #include "calvin/detect/checkerboard/code/marker_reader.hpp"
-#include "calvin/detect/checkerboard/node_fit.hpp"
+#include "calvin/detect/checkerboard/fits/node_fit.hpp"
 
 namespace calvin::detect {
 

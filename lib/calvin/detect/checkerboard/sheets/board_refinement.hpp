@@ -13,8 +13,8 @@
 #include "calvin/detect/checkerboard/code/code.hpp"
 #include "calvin/detect/checkerboard/code/markers/marker_ink.hpp"
 #include "calvin/detect/checkerboard/code/pattern.hpp"
+#include "calvin/detect/checkerboard/fits/refine.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
-#include "calvin/detect/checkerboard/refine.hpp"
 
 namespace calvin::detect {
 

@@ -10,7 +10,7 @@
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/detect/checkerboard/board_match.hpp"
-#include "calvin/detect/checkerboard/fit_grid.hpp"
+#include "calvin/detect/checkerboard/fits/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/target/grid.hpp"
 

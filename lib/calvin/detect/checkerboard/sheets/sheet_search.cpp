@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
-#include "calvin/detect/checkerboard/guesses.hpp"
-#include "calvin/detect/checkerboard/scatter.hpp"
+#include "calvin/detect/checkerboard/fits/guesses.hpp"
+#include "calvin/detect/checkerboard/fits/scatter.hpp"
 
 namespace calvin::detect {
 

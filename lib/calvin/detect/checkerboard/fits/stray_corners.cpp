@@ -3,12 +3,12 @@
 
 // Divided differences along rows and columns, and the verdict on each corner from them.
 
-#include "calvin/detect/checkerboard/stray_corners.hpp"
+#include "calvin/detect/checkerboard/fits/stray_corners.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "calvin/detect/checkerboard/node_fit.hpp"
+#include "calvin/detect/checkerboard/fits/node_fit.hpp"
 #include "calvin/detect/maps/outliers.hpp"
 #include "calvin/geometry/homography.hpp"
 

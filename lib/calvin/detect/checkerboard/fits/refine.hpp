@@ -10,9 +10,9 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
-#include "calvin/detect/checkerboard/fit_grid.hpp"
+#include "calvin/detect/checkerboard/fits/fit_grid.hpp"
+#include "calvin/detect/checkerboard/fits/stray_corners.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
-#include "calvin/detect/checkerboard/stray_corners.hpp"
 #include "calvin/detect/pyramid.hpp"
 
 namespace calvin::detect {

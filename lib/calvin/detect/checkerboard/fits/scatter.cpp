@@ -3,7 +3,7 @@
 
 // Differences and residuals of a lattice laid flat, compared with the sigmas of its corners.
 
-#include "calvin/detect/checkerboard/scatter.hpp"
+#include "calvin/detect/checkerboard/fits/scatter.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 
 // Beginnings, windows and tests of the fits of nodes.
 
-#include "calvin/detect/checkerboard/node_fit.hpp"
+#include "calvin/detect/checkerboard/fits/node_fit.hpp"
 
 #include <algorithm>
 #include <cmath>

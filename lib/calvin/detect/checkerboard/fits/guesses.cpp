@@ -3,14 +3,14 @@
 
 // A look at four squares, a fit that knows the edges of its neighbours, and tests of it.
 
-#include "calvin/detect/checkerboard/guesses.hpp"
+#include "calvin/detect/checkerboard/fits/guesses.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
-#include "calvin/detect/checkerboard/node_fit.hpp"
+#include "calvin/detect/checkerboard/fits/node_fit.hpp"
 
 namespace calvin::detect {
 

@@ -3,7 +3,7 @@
 
 // First fits, fits with the bends of the board, and the removal of corners that fail the tests.
 
-#include "calvin/detect/checkerboard/refine.hpp"
+#include "calvin/detect/checkerboard/fits/refine.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
-#include "calvin/detect/checkerboard/node_fit.hpp"
+#include "calvin/detect/checkerboard/fits/node_fit.hpp"
 
 namespace calvin::detect {
 

@@ -3,7 +3,7 @@
 
 // Polynomial surfaces through the fits of a board: the bends of its edges, the fall of light.
 
-#include "calvin/detect/checkerboard/fit_grid.hpp"
+#include "calvin/detect/checkerboard/fits/fit_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
