@@ -1,45 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Polynomial surfaces through the fits of a board: the bends of its edges, the fall of light.
+// Polynomial surfaces through the bends of a board's edges.
 
 #include "calvin/detect/checkerboard/fits/fit_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "calvin/detect/surface.hpp"
+#include "calvin/detect/checkerboard/fits/lattice_surface.hpp"
 
 namespace calvin::detect {
 
 namespace {
-
-// A place so many mean steps along the way of a step, or behind.
-LatticePlace moved(const LatticePlace& from, Cell step, double by) {
-  return {from.col + by * step.col, from.row + by * step.row};
-}
-
-// A surface without values.
-template <int kDegree>
-Surface<kDegree> flat(const Lattice& lattice) {
-  const CellRange extent = lattice.extent();
-  return {lattice.place(extent.first), lattice.place(extent.last)};
-}
-
-template <int kDegree>
-Surface<kDegree> surface_over(const Lattice& lattice, std::span<const PlacedValue> values,
-                              double variance) {
-  const Surface<kDegree> none = flat<kDegree>(lattice);
-  Surface<kDegree> all = none;
-  for (const PlacedValue& v : values) all.add(v);
-  return surface_through<kDegree>(none, all, values, variance);
-}
 
 // A row or a column of corners, and how it bends: from three nodes in a row at a time.
 class Line {
@@ -263,6 +243,22 @@ Surface<5> correct_bends_of(const Lattice& lattice, Cell step, const FitGrid& in
 
 }  // namespace
 
+void FitGrid::include(Cell c) {
+  if (has(c)) return;
+  CellRange all = cells_;
+  all.first = {std::min(all.first.col, c.col), std::min(all.first.row, c.row)};
+  all.last = {std::max(all.last.col, c.col), std::max(all.last.row, c.row)};
+  FitGrid larger;
+  larger.reset(all);
+  for (int row = cells_.first.row; row <= cells_.last.row; ++row) {
+    for (int col = cells_.first.col; col <= cells_.last.col; ++col) {
+      larger.at({col, row}) = at({col, row});
+    }
+  }
+  cells_ = all;
+  fits_ = std::move(larger.fits_);
+}
+
 void set_bends(const Lattice& lattice, FitGrid& fits) {
   // The first fits took edges for straight and are off, and so are the bends computed from them: a
   // second round starts from places that the first has corrected, where it has moved any by so much
@@ -304,74 +300,30 @@ void correct_bends(const Lattice& lattice, const FitGrid& inner, FitGrid& fits) 
   });
 }
 
-void set_slopes(const Lattice& lattice, FitGrid& fits) {
-  // Where more pixels than this are cut off at white or black, level and contrast are too
-  // uncertain.
-  constexpr float kMostCut = 0.05F;  // share of the window's pixels
-  if (fits.median(lattice, [](const SaddleFit& f) { return f.cut; }) > kMostCut) return;
-  const auto surface_of = [&](auto number) {
-    std::vector<PlacedValue> values;
-    lattice.for_each([&](Cell c, const Node& /*node*/) {
-      values.push_back({lattice.place(c), static_cast<double>(number(fits.at(c))), 1});
-    });
-    return surface_over<2>(lattice, values, 0);
+void widen_ends(const Lattice& lattice, FitGrid& fits) {
+  // Beside what a bend at the end of a line differs by from the next one, measured on rendered
+  // boards that borders cut off.
+  constexpr double kUncertain = 0.2;
+  const auto bend = [&](Cell c, Cell line) {
+    const SaddleFit& f = fits.at(c);
+    return static_cast<double>(line.row == 0 ? f.along_bend : f.down_bend);
   };
-  const auto level = surface_of([](const SaddleFit& f) { return f.level; });
-  const auto contrast = surface_of([](const SaddleFit& f) { return std::abs(f.contrast); });
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     SaddleFit& f = fits.at(c);
-    // The mean steps of a column and of a row, px, turn changes per step into a gradient per px.
-    Direction step[2];
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const Cell ahead = lattice.has(c + kAround[axis]) ? c + kAround[axis] : c;
-      const Cell behind = lattice.has(c - kAround[axis]) ? c - kAround[axis] : c;
-      const LatticePlace from = lattice.place(behind);
-      const LatticePlace to = lattice.place(ahead);
-      const double steps = to.col - from.col + to.row - from.row;
-      if (steps == 0) return;
-      step[axis] = {static_cast<float>((fits.at(ahead).x - fits.at(behind).x) / steps),
-                    static_cast<float>((fits.at(ahead).y - fits.at(behind).y) / steps)};
+    for (const Cell line : {Cell{1, 0}, Cell{0, 1}}) {
+      if (lattice.has(c + line) && lattice.has(c - line)) continue;
+      const Cell aside = {line.row, line.col};
+      for (const Cell step : {line, -1 * line, aside, -1 * aside}) {
+        if (!lattice.has(c + step)) continue;
+        // The edge tells of one of the two coordinates.
+        const double off = std::numbers::sqrt2 / 2 * kUncertain *
+                           (bend(c, line) - bend(c + step, line)) *
+                           error_per_bend(f, line.row == 0);
+        f.sigma = std::hypot(f.sigma, static_cast<float>(off));
+        break;
+      }
     }
-    const float area = cross(step[0], step[1]);
-    if (!(std::abs(area) > 1)) return;
-    const auto gradient = [&](const Surface<2>& surface) {
-      const LatticePlace at = lattice.place(c);
-      const auto change = [&](Cell way) {
-        return static_cast<float>(0.5 *
-                                  (surface.at(moved(at, way, 1)) - surface.at(moved(at, way, -1))));
-      };
-      const float along = change({1, 0});
-      const float down = change({0, 1});
-      return Direction{(along * step[1].y - down * step[0].y) / area,
-                       (down * step[0].x - along * step[1].x) / area};
-    };
-    f.slope = gradient(level);
-    f.contrast_slope = gradient(contrast);
-    if (f.contrast < 0) f.contrast_slope = -f.contrast_slope;
   });
-}
-
-ExpectedPlaces expect_places(const Lattice& lattice, FitGrid& fits, std::span<const Cell> cells) {
-  const auto usual =
-      static_cast<double>(fits.median(lattice, [](const SaddleFit& f) { return f.sigma; }));
-  const auto surface_of = [&](auto number) {
-    std::vector<PlacedValue> values;
-    lattice.for_each([&](Cell c, const Node&) {
-      const SaddleFit& f = fits.at(c);
-      const auto sigma = static_cast<double>(f.sigma);
-      values.push_back({lattice.place(c), number(f), usual * usual / (sigma * sigma)});
-    });
-    return surface_over<3>(lattice, values, usual * usual);
-  };
-  const auto x = surface_of([](const SaddleFit& f) { return f.x; });
-  const auto y = surface_of([](const SaddleFit& f) { return f.y; });
-  ExpectedPlaces expected;
-  for (const Cell c : cells) {
-    const LatticePlace at = lattice.place(c);
-    expected.places.push_back({x.at(at), y.at(at)});
-  }
-  expected.sigma = static_cast<float>(std::sqrt(0.5 * (x.variance() + y.variance())));
-  return expected;
 }
 
 }  // namespace calvin::detect

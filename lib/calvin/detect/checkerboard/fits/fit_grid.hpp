@@ -21,6 +21,8 @@ class FitGrid {
     cells_ = extent;
     fits_.assign(static_cast<std::size_t>(extent.cols() * extent.rows()), {});
   }
+  // Makes room for a cell, and keeps the fits of all others.
+  void include(Cell c);
   [[nodiscard]] bool empty() const { return fits_.empty(); }
   [[nodiscard]] bool has(Cell c) const {
     return c.col >= cells_.first.col && c.col <= cells_.last.col && c.row >= cells_.first.row &&
@@ -75,6 +77,10 @@ void set_bends(const Lattice& lattice, FitGrid& fits);
 // smaller windows (a radius of 0: none), and moves each fit to where a fit with these bends would
 // find its corner. Sigmas grow by what is uncertain of the bends.
 void correct_bends(const Lattice& lattice, const FitGrid& inner, FitGrid& fits);
+
+// Makes the sigmas of nodes at the ends of lines contain how uncertain bends are beyond the last
+// node that has others on both sides.
+void widen_ends(const Lattice& lattice, FitGrid& fits);
 
 // Sets the slopes of level and contrast, from the levels and contrasts of all fits.
 void set_slopes(const Lattice& lattice, FitGrid& fits);

@@ -76,7 +76,8 @@ bool has_ring(const ImageView& image, const SaddleFit& fit, float spacing) {
   return !has_room || check_ring(image, x, y, size, kMostAsymmetry, corner);
 }
 
-// Whether there is a corner where a node was guessed, by a fit that knows its edges.
+}  // namespace
+
 bool confirm_guess(const ImageView& image, const Lattice& lattice, Cell c, Node& node) {
   constexpr float kContrast = 0.35F;  // of a neighbour's
   constexpr float kResidual = 0.35F;  // of the contrast
@@ -115,8 +116,6 @@ bool confirm_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   }
   return false;
 }
-
-}  // namespace
 
 void confirm_guesses(const ImageView& image, Lattice& lattice) {
   constexpr float kPrune = 0.5F;  // of the spacing

@@ -13,4 +13,9 @@ namespace calvin::detect {
 // where they are, and they are guessed no more.
 void confirm_guesses(const ImageView& image, Lattice& lattice);
 
+// Whether there is a corner where a node lies that is only expected, by a fit that knows its edges;
+// moves the node there.
+[[nodiscard]] bool confirm_guess(const ImageView& image, const Lattice& lattice, Cell c,
+                                 Node& node);
+
 }  // namespace calvin::detect

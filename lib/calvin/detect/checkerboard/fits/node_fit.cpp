@@ -15,18 +15,33 @@
 
 namespace calvin::detect {
 
-float spacing_at(const Lattice& lattice, Cell c) {
+namespace {
+
+// px, from a node's edge that crosses the way to the next node, which is there, to that node.
+float distance_to_next(const Lattice& lattice, Cell c, Cell step) {
   const Node& node = lattice.at(c);
+  const Node& next = lattice.at(c + step);
+  const Direction edge = step.row == 0 ? node.down : node.along;
+  return std::abs(cross(edge, {next.x - node.x, next.y - node.y}));
+}
+
+}  // namespace
+
+float spacing_at(const Lattice& lattice, Cell c) {
   float least = 1e6F;
   for (const Cell step : kAround) {
-    if (!lattice.has(c + step)) continue;
-    const Node& next = lattice.at(c + step);
-    // The distance from the edge that crosses the way to the next node.
-    const Direction edge = step.row == 0 ? node.down : node.along;
-    const float distance = std::abs(cross(edge, {next.x - node.x, next.y - node.y}));
-    // The line on the other side may be nearer, and have no node here.
-    const float other = lattice.length(c, -1 * step) / lattice.length(c, step);
-    least = std::min(least, std::min(1.0F, other) * distance);
+    if (lattice.has(c + step)) {
+      // The line on the other side may be nearer, and have no node here.
+      const float other = lattice.length(c, -1 * step) / lattice.length(c, step);
+      least = std::min(least, std::min(1.0F, other) * distance_to_next(lattice, c, step));
+      continue;
+    }
+    if (lattice.has(c - step)) continue;
+    // Of a node at the end of its line the next one tells how far the lines beside it are.
+    for (const Cell aside : {Cell{step.row, step.col}, Cell{-step.row, -step.col}}) {
+      if (!lattice.has(c + aside) || !lattice.has(c + aside + step)) continue;
+      least = std::min(least, distance_to_next(lattice, c + aside, step));
+    }
   }
   return least;
 }

@@ -4,6 +4,7 @@
 // Corners to a fraction of a pixel: fits of all nodes of a lattice, tested against each other.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
 #include "calvin/detect/checkerboard/fits/fit_grid.hpp"
+#include "calvin/detect/checkerboard/fits/node_fit.hpp"
 #include "calvin/detect/checkerboard/fits/stray_corners.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/detect/pyramid.hpp"
@@ -39,6 +41,22 @@ class Refinement {
   // to a pixel or so. False where a node fails.
   [[nodiscard]] bool refine_again(const ImageView& image, const FitGrid& before, Lattice& lattice);
 
+  // Fits a node that was added to a refined lattice beside another one, `near`, as the others were
+  // fitted last. False where it is not like them.
+  [[nodiscard]] bool add(const ImageView& image, Cell c, Cell near, Lattice& lattice);
+
+  // Whether noise is so strong that corners are told with the help of their neighbours only.
+  [[nodiscard]] bool in_noise() const { return in_noise_; }
+
+  // Fits a node that was put into a refined lattice, not in noise, beside one that has a fit,
+  // `near`: with its bends, in as large a window. False where that is no corner like the others.
+  [[nodiscard]] bool add(const ImageView& image, const Lattice& lattice, Cell c, Cell near);
+
+  // The last fits once more, as nodes that were added tell how the edges bend at the ends of lines;
+  // of these, nodes that fail are removed. False where another one fails; all is as it was then.
+  [[nodiscard]] bool refine_added(const ImageView& image, std::span<const Cell> added,
+                                  Lattice& lattice);
+
   [[nodiscard]] const FitGrid& fits() const { return fits_; }
 
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_.at(c); }
@@ -51,11 +69,21 @@ class Refinement {
     });
   }
 
+  // Makes the sigmas at the ends of lines that are cut off contain how uncertain bends are there.
+  void widen_ends(Lattice& lattice) {
+    detect::widen_ends(lattice, fits_);
+    lattice.for_each([&](Cell c, const Node& /*node*/) { lattice.at(c).sigma = fit(c).sigma; });
+  }
+
   // The blur of the edges of a refined lattice, px, 1 sigma: the median over its nodes, of the
   // edges along rows or along columns, whichever is larger.
   [[nodiscard]] double blur(const Lattice& lattice);
 
  private:
+  static constexpr float kLeastSwingShare = 0.25F;  // of the median
+  static constexpr float kNoisy = 1.5F;         // of the median: something else is in the window
+  static constexpr float kMostResidual = 0.9F;  // of the contrast
+
   void begin(const Lattice& lattice);
   // Fits the nodes roughly, in px of a level of the pyramid.
   void fit_in_level(const ImageView& level, const Lattice& lattice);
@@ -71,7 +99,14 @@ class Refinement {
                                        float sigma = 0) const;
   // Fits all nodes by fit_again(cell), moves them there and removes nodes that fail the tests.
   template <typename F>
-  void refit(Lattice& lattice, F fit_again);
+  void refit(Lattice& lattice, F fit_again) {
+    lattice.for_each([&](Cell c, const Node& /*node*/) {
+      fit(c) = fit_again(c);
+      if (!std::isfinite(fit(c).noise)) lattice.remove(c);
+    });
+    drop_misfits(lattice);
+    lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
+  }
   // Sets the bends of large squares anew by what windows of two sizes tell. False where that does
   // not matter.
   [[nodiscard]] bool correct_bends_in(const ImageView& image, Lattice& lattice);

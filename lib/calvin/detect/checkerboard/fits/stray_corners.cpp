@@ -39,10 +39,12 @@ constexpr float kLike = 0.35F;  // of a difference: neighbours that differ by le
 constexpr int kLinesAside = 2;
 constexpr int kFewestAlike = 2;
 // A node is something else if its sigma is above kUncertainTimes medians and kUncertainLeast, and
-// its place is off by kUncertainError.
+// its place is off by kUncertainError and by kUncertainOfTolerance: at the ends of lines
+// differences tell places to some pixels only, and sigmas contain how uncertain bends are there.
 constexpr float kUncertainTimes = 6;
 constexpr float kUncertainLeast = 0.06F;  // px
 constexpr float kUncertainError = 0.5F;   // px
+constexpr float kUncertainOfTolerance = 0.4F;
 // The fewest nodes of which the map of a lens does not follow a stray one.
 constexpr int kFewestOfMap = 12;
 constexpr float kLeastPrecise = 0.35F;  // of the spacing, to which a place must be confirmed
@@ -305,7 +307,7 @@ void StrayCorners::remove_from(Lattice& lattice, const Slack& slack, const Pixel
       // By how much the squares of the differences sink if this node alone is to blame.
       const bool accused =
           v.accused || (node.sigma > std::max(kUncertainTimes * usual_sigma_, kUncertainLeast) &&
-                        v.error() > kUncertainError);
+                        v.error() > kUncertainError && v.of_tolerance() > kUncertainOfTolerance);
       const float explained = accused ? (v.x * v.x + v.y * v.y) / v.weight : -1;
       if (explained <= most) return;
       most = explained;

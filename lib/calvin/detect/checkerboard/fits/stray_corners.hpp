@@ -53,6 +53,8 @@ class StrayCorners {
     bool accused = false;
     bool confirmed = false;
     [[nodiscard]] float error() const { return std::hypot(x, y) / weight; }  // px
+    // Likewise, of what the differences tolerate.
+    [[nodiscard]] float of_tolerance() const { return std::hypot(x, y) / std::sqrt(weight); }
   };
 
   void take_differences(const Lattice& lattice);

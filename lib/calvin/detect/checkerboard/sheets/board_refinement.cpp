@@ -96,6 +96,7 @@ bool BoardRefinement::Round::is_within(const Limits& most) const {
 bool BoardRefinement::refine(const ImageView& image, const PlacedBoard& board,
                              Refinement& refinement, Lattice& lattice) {
   take_dots(board, lattice);
+  took_markers_off_ = false;
   if (board.code != nullptr && has_markers_inside(*board.code)) {
     return refine_beside_markers(image, board, refinement, lattice);
   }
@@ -106,6 +107,7 @@ bool BoardRefinement::refine_again(const ImageView& image, const PlacedBoard& bo
                                    const FitGrid& before, Refinement& refinement,
                                    Lattice& lattice) {
   take_dots(board, lattice);
+  took_markers_off_ = false;
   if (board.code != nullptr && has_markers_inside(*board.code) && reach_edges(lattice)) {
     return refine_without_markers(image, board, refinement, lattice);
   }
@@ -162,6 +164,7 @@ bool BoardRefinement::refine_without_markers(const ImageView& image, const Place
   refinement.widen(std::hypot(amplified_.value_or(1), now_.step_size() / now_.sigma), fitted_);
   lattice = fitted_;
   lattice.set_blurred(false);
+  took_markers_off_ = true;
   return true;
 }
 

@@ -40,6 +40,9 @@ class BoardRefinement {
   [[nodiscard]] bool refine_again(const ImageView& image, const PlacedBoard& board,
                                   const FitGrid& before, Refinement& refinement, Lattice& lattice);
 
+  // Whether the corners were fitted last in a picture without the markers.
+  [[nodiscard]] bool took_markers_off() const { return took_markers_off_; }
+
  private:
   // What a round changes, at most: of the sigma, RMS, and of the width.
   struct Limits {
@@ -72,6 +75,7 @@ class BoardRefinement {
   Lattice fitted_{0};  // what it leads to
   Round last_;
   Round now_;
+  bool took_markers_off_ = false;
   std::optional<float> amplified_;  // the sigma, see amplification()
 };
 

@@ -13,6 +13,7 @@
 
 #include "calvin/detect/checkerboard/fits/guesses.hpp"
 #include "calvin/detect/checkerboard/fits/scatter.hpp"
+#include "calvin/detect/checkerboard/sheets/end_corners.hpp"
 
 namespace calvin::detect {
 
@@ -365,6 +366,10 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
     // the board from something that covers it up to the next row.
     match = this->match(wanted, lattice);
     if (match.reason != Reason::kAccepted) return false;
+    if (!match.whole && !board_refinement_.took_markers_off() && lattice.has_even_steps()) {
+      add_end_corners(image, pattern.grid, match.alignment, refinement_, lattice);
+    }
+    if (!match.whole) refinement_.widen_ends(lattice);
   }
   add_sheet(wanted, match, lattice, true);
   return true;
